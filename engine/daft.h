@@ -281,7 +281,8 @@ DAFT_API bool daft_material_release(daft_scene *scene, daft_material material, d
 /* Looks at every entity and asset: some microseconds for a thousand. Returns how many were freed. */
 DAFT_API uint32_t daft_scene_collect(daft_scene *scene);
 
-/* OBJ, with the MTL files that it names. */
+/* OBJ, with the MTL files that it names; glTF, FBX and more where Assimp is installed (docs/reference/scene-files.md),
+ * else DAFT_ERROR_UNSUPPORTED. What the file holds decides, not its name. */
 DAFT_API daft_mesh daft_mesh_load(daft_scene *scene, const char *path, daft_error *error);
 
 /* A mesh from arrays, which are copied. */

@@ -3,7 +3,7 @@
  * triangles that share an edge in the file share its two vertex numbers here, whatever their normals and uvs do.
  *
  * Public headers: mesh.h. Inner headers: trimesh.h polygon.h.
- * formats/ reads files; analysis/ computes smooth normals and finds problems. */
+ * formats/ reads OBJ and MTL files, foreign/ others; analysis/ computes smooth normals and finds problems. */
 #ifndef DAFT_GEOMETRY_H
 #define DAFT_GEOMETRY_H
 
@@ -61,7 +61,9 @@ typedef struct daft_mtl {
     daft_vec3 filter;                               /* Tf: 0..1 each */
     bool has_filter;                                /* the file names it */
     int illum;
-    char diffuse_map[1024];                   /* path as opened (folder of the MTL joined), empty: none */
+    char diffuse_map[1024]; /* path as opened (folder of the MTL joined), empty: none */
+    uint8_t *map_bytes;     /* of a picture that the model holds itself; NULL: it is a file. The list's */
+    size_t map_size;
     int diffuse_map_line, diffuse_map_column; /* where the file names it, for warnings */
     char file[1024];                          /* the MTL file it came from, for warnings; empty: none */
 } daft_mtl;
@@ -88,6 +90,9 @@ typedef struct daft_obj {
     uint32_t *groups;    /* smoothing group of each triangle, for daft_obj_smooth; NULL: none, or no longer needed */
 } daft_obj;
 
+/* daft_obj_load of a text that has been read, which it releases. */
+bool daft_obj_take(const daft_allocator *allocator, const daft_files *files, const char *path, char *text, size_t size,
+                   const daft_log *log, daft_obj *out, daft_error *error);
 bool daft_obj_load(const daft_allocator *allocator, const daft_files *files, const char *path, const daft_log *log,
                    daft_obj *out, daft_error *error);
 /* The same from memory; `path` names the source in messages and is where mtllib looks. `text` ends with a zero byte. */
@@ -101,6 +106,13 @@ void daft_obj_free(const daft_allocator *allocator, daft_obj *obj);
 bool daft_obj_load_triangles(const daft_allocator *allocator, const daft_files *files, const char *path,
                              const daft_log *log, daft_obj *out, daft_error *error);
 bool daft_obj_smooth(const daft_allocator *allocator, daft_obj *obj, daft_error *error);
+
+/* ---- any format (foreign/) ---- */
+
+/* A mesh file of any format, by what is in it: OBJ, or one that Assimp reads. DAFT_ERROR_UNSUPPORTED:
+ * this build or system has no Assimp. */
+bool daft_model_load(const daft_allocator *allocator, const daft_files *files, const char *path, const daft_log *log,
+                     daft_obj *out, daft_error *error);
 
 /* ---- what is odd: mesh_check.c, obj_check.c ---- */
 

@@ -272,20 +272,23 @@ static bool decode(const daft_allocator *allocator, const char *bytes, size_t si
     return true;
 }
 
+bool daft_decode_bytes(const daft_allocator *allocator, const void *bytes, size_t size, const char *path,
+                       daft_decoded *out, daft_error *error)
+{
+    *out = (daft_decoded){0};
+    if (size == 0) return daft_fail_at(error, DAFT_ERROR_SYNTAX, path, 0, 0, "the file is empty, not an image");
+    if (size > INT_MAX)
+        return daft_fail_at(error, DAFT_ERROR_UNSUPPORTED, path, 0, 0, "image files over 2 GiB are not read");
+    return decode(allocator, bytes, size, path, out, error);
+}
+
 bool daft_decode_file(const daft_allocator *allocator, const daft_files *files, const char *path, daft_decoded *out,
                       daft_error *error)
 {
     *out = (daft_decoded){0};
     size_t size;
     char *bytes = daft_file_read(allocator, files, path, &size, error);
-    if (!bytes) return false;
-    bool done = false;
-    if (size == 0)
-        daft_fail_at(error, DAFT_ERROR_SYNTAX, path, 0, 0, "the file is empty, not an image");
-    else if (size > INT_MAX)
-        daft_fail_at(error, DAFT_ERROR_UNSUPPORTED, path, 0, 0, "image files over 2 GiB are not read");
-    else
-        done = decode(allocator, bytes, size, path, out, error);
+    bool done = bytes && daft_decode_bytes(allocator, bytes, size, path, out, error);
     daft_release(allocator, bytes);
     return done;
 }

@@ -16,6 +16,9 @@ typedef struct daft_decoded {
 /* The file's bytes, the pixels, and what the decoder needs in between come from the caller's allocator. Where that has
  * a limit, the size in the file's header is held against it before anything is decoded. Who takes `bytes` or `floats`
  * over releases them with daft_stb_release. */
+/* From memory; `path` names it in messages. */
+bool daft_decode_bytes(const daft_allocator *allocator, const void *bytes, size_t size, const char *path,
+                       daft_decoded *out, daft_error *error);
 bool daft_decode_file(const daft_allocator *allocator, const daft_files *files, const char *path, daft_decoded *out,
                       daft_error *error);
 /* The size in a file's header, where it is one that is decoded. */

@@ -36,22 +36,38 @@ static void bytes_from_light(const float *light, size_t pixels, uint8_t *rgba)
     }
 }
 
+/* Takes over what was decoded. */
+static bool image_from(const daft_allocator *allocator, daft_decoded *decoded, const char *path, daft_image *out,
+                       daft_error *error)
+{
+    if (decoded->bytes) {
+        *out = (daft_image){*allocator, decoded->width, decoded->height, decoded->bytes, .from_stb = true};
+        return true;
+    }
+    size_t pixels = (size_t)decoded->width * (size_t)decoded->height;
+    uint8_t *rgba = daft_alloc(allocator, pixels, 4);
+    if (rgba) bytes_from_light(decoded->floats, pixels, rgba);
+    if (rgba)
+        *out =
+            (daft_image){.allocator = *allocator, .width = decoded->width, .height = decoded->height, .pixels = rgba};
+    daft_decoded_free(allocator, decoded);
+    return rgba || daft_fail_at(error, DAFT_ERROR_MEMORY, path, 0, 0, "out of memory for the image");
+}
+
 bool daft_image_read(const daft_allocator *allocator, const daft_files *files, const char *path, daft_image *out,
                      daft_error *error)
 {
     daft_decoded decoded;
-    if (!daft_decode_file(allocator, files, path, &decoded, error)) return false;
-    if (decoded.bytes) {
-        *out = (daft_image){*allocator, decoded.width, decoded.height, decoded.bytes, .from_stb = true};
-        return true;
-    }
-    size_t pixels = (size_t)decoded.width * (size_t)decoded.height;
-    uint8_t *rgba = daft_alloc(allocator, pixels, 4);
-    if (rgba) bytes_from_light(decoded.floats, pixels, rgba);
-    if (rgba)
-        *out = (daft_image){.allocator = *allocator, .width = decoded.width, .height = decoded.height, .pixels = rgba};
-    daft_decoded_free(allocator, &decoded);
-    return rgba || daft_fail_at(error, DAFT_ERROR_MEMORY, path, 0, 0, "out of memory for the image");
+    return daft_decode_file(allocator, files, path, &decoded, error) &&
+           image_from(allocator, &decoded, path, out, error);
+}
+
+bool daft_image_decode(const daft_allocator *allocator, const void *bytes, size_t size, const char *path,
+                       daft_image *out, daft_error *error)
+{
+    daft_decoded decoded;
+    return daft_decode_bytes(allocator, bytes, size, path, &decoded, error) &&
+           image_from(allocator, &decoded, path, out, error);
 }
 
 void daft_image_free(daft_image *image)

@@ -19,6 +19,9 @@ struct daft_image {
 /* Decodes PNG, JPEG, TGA, BMP, GIF (first frame), PSD, HDR (tone-clamped). At most 16384 pixels a side. */
 bool daft_image_read(const daft_allocator *allocator, const daft_files *files, const char *path, daft_image *out,
                      daft_error *error);
+/* The same from memory; `path` names it in messages. */
+bool daft_image_decode(const daft_allocator *allocator, const void *bytes, size_t size, const char *path,
+                       daft_image *out, daft_error *error);
 void daft_image_free(daft_image *image);
 
 float daft_srgb_to_linear(float encoded);
@@ -40,6 +43,9 @@ bool daft_texture_build(const daft_allocator *allocator, const uint8_t *rgba, in
                         daft_texture_data *out, daft_error *error);
 bool daft_texture_read(const daft_allocator *allocator, const daft_files *files, const char *path,
                        daft_texture_data *out, daft_error *error);
+/* The same from memory; `path` names it in messages. */
+bool daft_texture_decode(const daft_allocator *allocator, const void *bytes, size_t size, const char *path,
+                         daft_texture_data *out, daft_error *error);
 /* The magenta and black checker that stands for a missing file. */
 bool daft_texture_missing(const daft_allocator *allocator, daft_texture_data *out, daft_error *error);
 void daft_texture_free(const daft_allocator *allocator, daft_texture_data *texture);

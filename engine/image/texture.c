@@ -169,15 +169,28 @@ bool daft_texture_build(const daft_allocator *allocator, const uint8_t *rgba, in
     return true;
 }
 
+/* Takes over the picture. */
+static bool texture_of(const daft_allocator *allocator, const daft_image *image, daft_texture_data *out,
+                       daft_error *error)
+{
+    daft_texture_data texture = {.texels = {image->pixels}, .from_stb = image->from_stb};
+    if (!add_levels(allocator, &texture, image->width, image->height, error)) return false;
+    *out = texture;
+    return true;
+}
+
 bool daft_texture_read(const daft_allocator *allocator, const daft_files *files, const char *path,
                        daft_texture_data *out, daft_error *error)
 {
     daft_image image;
-    if (!daft_image_read(allocator, files, path, &image, error)) return false;
-    daft_texture_data texture = {.texels = {image.pixels}, .from_stb = image.from_stb};
-    if (!add_levels(allocator, &texture, image.width, image.height, error)) return false;
-    *out = texture;
-    return true;
+    return daft_image_read(allocator, files, path, &image, error) && texture_of(allocator, &image, out, error);
+}
+
+bool daft_texture_decode(const daft_allocator *allocator, const void *bytes, size_t size, const char *path,
+                         daft_texture_data *out, daft_error *error)
+{
+    daft_image image;
+    return daft_image_decode(allocator, bytes, size, path, &image, error) && texture_of(allocator, &image, out, error);
 }
 
 bool daft_texture_missing(const daft_allocator *allocator, daft_texture_data *out, daft_error *error)

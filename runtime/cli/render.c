@@ -73,7 +73,7 @@ static bool show_progress(void *user, float done)
 static bool render(daft_scene *scene, const render_options *o, daft_image *image, frame_times *times, daft_error *error)
 {
     daft_view view = o->knobs.view;
-    bool is_mesh = has_extension(o->scene, ".obj");
+    bool is_mesh = showcase_is_mesh(o->scene);
     double aspect = (double)o->size.height / (double)o->size.width;
     if (is_mesh ? !showcase_mesh(scene, o->scene, aspect, &view.camera, error)
                 : !daft_scene_load(scene, o->scene, error))
@@ -210,8 +210,8 @@ int command_render(int argc, char **argv)
     if (!o.out && o.aov_list) return cli_refuse("render", "--aov: the picture's name, -o IMG, is missing");
     if (o.out && !has_extension(o.out, ".png") && !has_extension(o.out, ".ppm"))
         return cli_refuse("render", "-o: a name that ends in .png or .ppm expected, got '%s'", o.out);
-    if (!has_extension(o.scene, ".scene") && !has_extension(o.scene, ".obj") && path_is_file(o.scene))
-        return cli_refuse("render", "'%s' is neither a .scene nor an .obj file", o.scene);
+    if (!has_extension(o.scene, ".scene") && !showcase_is_mesh(o.scene) && path_is_file(o.scene))
+        return cli_refuse("render", "'%s' is neither a .scene nor a mesh (.obj, .gltf, .fbx, ...)", o.scene);
     choose_size(&o);
     if (o.knob_list && !knobs_parse(o.knob_list, &o.knobs, &wrong)) return cli_refuse("render", "%s", wrong.message);
     if (o.knobs.scale != 1) return cli_refuse("render", "knob scale: of what a window shows; here --size says it");

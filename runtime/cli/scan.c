@@ -248,7 +248,7 @@ static bool choose_camera(daft_scene *scene, const scan_options *o, daft_camera 
 static bool load(daft_scene *scene, const scan_options *o, daft_camera *camera, daft_error *error)
 {
     *camera = daft_default_camera();
-    if (has_extension(o->scene, ".obj")) return showcase_mesh(scene, o->scene, 1, camera, error);
+    if (showcase_is_mesh(o->scene)) return showcase_mesh(scene, o->scene, 1, camera, error);
     return daft_scene_load(scene, o->scene, error) && choose_camera(scene, o, camera, error);
 }
 
@@ -296,8 +296,8 @@ static int refuse_options(const scan_options *o)
     if (!o->out) return cli_refuse("scan", "-o FILE is missing");
     if (!has_extension(o->out, ".ply") && !has_extension(o->out, ".pcd"))
         return cli_refuse("scan", "-o: a name that ends in .ply or .pcd expected, got '%s'", o->out);
-    if (!has_extension(o->scene, ".scene") && !has_extension(o->scene, ".obj") && path_is_file(o->scene))
-        return cli_refuse("scan", "'%s' is neither a .scene nor an .obj file", o->scene);
+    if (!has_extension(o->scene, ".scene") && !showcase_is_mesh(o->scene) && path_is_file(o->scene))
+        return cli_refuse("scan", "'%s' is neither a .scene nor a mesh (.obj, .gltf, .fbx, ...)", o->scene);
     if (o->returns && strcmp(o->returns, "first") != 0 && strcmp(o->returns, "last") != 0 &&
         strcmp(o->returns, "both") != 0)
         return cli_refuse("scan", "--returns: one of first, last, both expected, got '%s'", o->returns);

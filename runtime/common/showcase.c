@@ -5,6 +5,14 @@
 
 #include <math.h>
 
+bool showcase_is_mesh(const char *path)
+{
+    static const char *const known[] = {".obj", ".gltf", ".glb", ".fbx", ".dae", ".ply", ".stl", ".3ds", ".blend"};
+    for (size_t i = 0; i < COUNT_OF(known); i++)
+        if (has_extension(path, known[i])) return true;
+    return false;
+}
+
 /* At the distance D at which the corners of the box just fit. A corner c, relative to the centre, has depth
  * D + forward·c and lies in the picture when |right·c| <= tan·(D + forward·c), and likewise for up. */
 daft_camera showcase_camera(daft_dvec3 from, daft_dvec3 to, double aspect)

@@ -4,6 +4,8 @@
 
 #include "daft.h"
 
+/* Whether the name is one of a mesh: OBJ, glTF, FBX and so on. */
+bool showcase_is_mesh(const char *path);
 /* From the front right and above, at the distance at which the box between two corners just fits. aspect: height of the
  * picture / width. */
 daft_camera showcase_camera(daft_dvec3 from, daft_dvec3 to, double aspect);

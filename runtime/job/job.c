@@ -115,8 +115,7 @@ static bool load(job *self, daft_engine *engine, daft_error *error)
     double aspect = (double)self->def.height / self->def.width;
     self->scene = daft_scene_create(engine, error);
     if (!self->scene) return false;
-    if (has_extension(self->def.scene, ".obj"))
-        return showcase_mesh(self->scene, self->def.scene, aspect, &ignored, error);
+    if (showcase_is_mesh(self->def.scene)) return showcase_mesh(self->scene, self->def.scene, aspect, &ignored, error);
     return daft_scene_load(self->scene, self->def.scene, error);
 }
 

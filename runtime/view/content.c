@@ -62,7 +62,7 @@ static bool open_scene(content *c, daft_engine *engine, long camera, double aspe
 {
     c->scene = daft_scene_create(engine, error);
     if (!c->scene) return false;
-    if (!has_extension(c->path, ".obj"))
+    if (!showcase_is_mesh(c->path))
         return daft_scene_load(c->scene, c->path, error) && measure(c, error) &&
                choose_camera(c, camera, aspect, error);
     if (camera > 0) return fail(error, DAFT_ERROR_ARGUMENT, "--camera %ld: a mesh by itself has one camera, 0", camera);
@@ -76,7 +76,7 @@ bool content_open(content *out, daft_engine *engine, const char *path, long came
         return fail(error, DAFT_ERROR_ARGUMENT, "the name of the file is too long");
     struct timespec began;
     clock_gettime(CLOCK_REALTIME, &began);
-    bool scene = has_extension(path, ".scene") || has_extension(path, ".obj"), good;
+    bool scene = has_extension(path, ".scene") || showcase_is_mesh(path), good;
     if (scene)
         good = open_scene(&c, engine, camera, aspect, error);
     else

@@ -38,6 +38,7 @@ daft_mtl daft_mtl_default(void)
 
 void daft_mtl_list_free(const daft_allocator *allocator, daft_mtl_list *list)
 {
+    for (size_t i = 0; i < list->count; i++) daft_release(allocator, list->items[i].map_bytes);
     daft_release(allocator, list->items);
     *list = (daft_mtl_list){0};
 }

@@ -83,18 +83,30 @@ bool daft_obj_parse(const daft_allocator *allocator, const daft_files *files, co
     return finish(&source, done, &obj, out) && smooth_loaded(allocator, out, error);
 }
 
-bool daft_obj_load_triangles(const daft_allocator *allocator, const daft_files *files, const char *path,
-                             const daft_log *log, daft_obj *out, daft_error *error)
+/* Releases the text once it is no longer needed. */
+static bool take_triangles(const daft_allocator *allocator, const daft_files *files, const char *path, char *text,
+                           size_t size, const daft_log *log, daft_obj *out, daft_error *error)
 {
-    size_t size;
-    char *text = daft_file_read(allocator, files, path, &size, error);
-    if (!text) return false;
     daft_obj obj = {0};
     daft_obj_source source = {.text = daft_text_open(path, text, size, log), .allocator = allocator, .files = files};
     bool done = read_text(&source, &obj, error);
     daft_release(allocator, text);
     done = done && make_normals(&source, &obj, error);
     return finish(&source, done, &obj, out);
+}
+
+bool daft_obj_load_triangles(const daft_allocator *allocator, const daft_files *files, const char *path,
+                             const daft_log *log, daft_obj *out, daft_error *error)
+{
+    size_t size;
+    char *text = daft_file_read(allocator, files, path, &size, error);
+    return text && take_triangles(allocator, files, path, text, size, log, out, error);
+}
+
+bool daft_obj_take(const daft_allocator *allocator, const daft_files *files, const char *path, char *text, size_t size,
+                   const daft_log *log, daft_obj *out, daft_error *error)
+{
+    return take_triangles(allocator, files, path, text, size, log, out, error) && smooth_loaded(allocator, out, error);
 }
 
 bool daft_obj_load(const daft_allocator *allocator, const daft_files *files, const char *path, const daft_log *log,

@@ -136,7 +136,7 @@ static bool mesh_read(daft_scene *scene, const char *path, daft_mesh_item *item,
     if (!item->path) return daft_fail_memory(error, "a path");
     item->hash = daft_path_hash(path);
     daft_obj obj = {0};
-    if (!daft_obj_load(scene->allocator, scene->engine->files, path, &scene->engine->log, &obj, error)) return false;
+    if (!daft_model_load(scene->allocator, scene->engine->files, path, &scene->engine->log, &obj, error)) return false;
     item->mesh = obj.mesh; /* from here on the item owns the triangles */
     memset(&obj.mesh, 0, sizeof obj.mesh);
     bool done = daft_scene_note_file(scene, path, error) && mesh_finish(scene, item, error);
@@ -444,7 +444,9 @@ daft_texture daft_texture_of_map(daft_scene *scene, const daft_mtl *mtl, daft_er
     }
     daft_texture_data data = {0};
     daft_error why = {0};
-    if (daft_texture_read(scene->allocator, scene->engine->files, mtl->diffuse_map, &data, &why))
+    if (mtl->map_bytes
+            ? daft_texture_decode(scene->allocator, mtl->map_bytes, mtl->map_size, mtl->diffuse_map, &data, &why)
+            : daft_texture_read(scene->allocator, scene->engine->files, mtl->diffuse_map, &data, &why))
         return texture_add(scene, mtl->diffuse_map, &data, error);
     if (why.code == DAFT_ERROR_MEMORY) {
         if (error) *error = why;

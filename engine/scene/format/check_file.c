@@ -108,6 +108,27 @@ static bool check_obj(daft_engine *engine, const char *path, const daft_problems
     return done;
 }
 
+static bool check_model(daft_engine *engine, const char *path, const daft_problems *problems, daft_error *error)
+{
+    daft_obj model;
+    daft_mesh_report report;
+    daft_error why = {0};
+    if (!daft_model_load(&engine->allocator, engine->files, path, &engine->log, &model, &why))
+        return refuse(problems, &why, error);
+    if (model.mesh.triangle_count == 0)
+        daft_problem_at(problems, DAFT_SEVERITY_WARNING, DAFT_ERROR_ARGUMENT, path, 0, 0,
+                        "there are no triangles to draw");
+    if (model.mesh.left_out)
+        daft_problem_at(problems, DAFT_SEVERITY_NOTE, DAFT_ERROR_ARGUMENT, path, 0, 0,
+                        "%u triangles are left out: their corners are not three", model.mesh.left_out);
+    bool done = daft_trimesh_check(&engine->allocator, &model.mesh, NULL, NULL, &report, error);
+    if (done && report.open_edges)
+        daft_problem_at(problems, DAFT_SEVERITY_NOTE, DAFT_ERROR_ARGUMENT, path, 0, 0,
+                        "%u edges are open: the mesh is not closed", report.open_edges);
+    daft_obj_free(&engine->allocator, &model);
+    return done;
+}
+
 static bool check_mtl(daft_engine *engine, const char *path, const daft_problems *problems, daft_error *error)
 {
     daft_mtl_list list = {0};
@@ -159,6 +180,14 @@ static bool ends_in(const char *path, const char *extension)
     return length > tail && strcasecmp(path + length - tail, extension) == 0;
 }
 
+static bool is_model(const char *path)
+{
+    static const char *const known[] = {".gltf", ".glb", ".fbx", ".dae", ".ply", ".stl", ".3ds", ".blend"};
+    for (size_t i = 0; i < DAFT_COUNT_OF(known); i++)
+        if (ends_in(path, known[i])) return true;
+    return false;
+}
+
 bool daft_check_file(daft_engine *engine, const char *path, daft_problem_callback *found, void *user, daft_error *error)
 {
     daft_error_clear(error);
@@ -167,7 +196,8 @@ bool daft_check_file(daft_engine *engine, const char *path, daft_problem_callbac
     daft_problems problems = {tell, &(caller){engine, found, user}};
     daft_log kept = engine->log;
     engine->log = (daft_log){.warn = on_warning, .user = &problems};
-    bool done = (ends_in(path, ".obj")     ? check_obj
+    bool done = (is_model(path)            ? check_model
+                 : ends_in(path, ".obj")   ? check_obj
                  : ends_in(path, ".mtl")   ? check_mtl
                  : ends_in(path, ".scene") ? daft_check_scene
                                            : check_picture)(engine, path, &problems, error);

@@ -28,8 +28,9 @@ static void check_folder(checker *c, const char *folder, const game_info *game);
 /* NULL: a kind of file that is not checked. */
 static const char *extension_of(const char *path)
 {
-    static const char *const known[] = {".scene", ".obj", ".mtl", ".lua", ".rec", ".png", ".jpg",
-                                        ".jpeg",  ".tga", ".bmp", ".hdr", ".gif", ".psd", ".ppm"};
+    static const char *const known[] = {".scene", ".obj", ".mtl", ".gltf", ".glb", ".fbx", ".dae",
+                                        ".ply",   ".stl", ".lua", ".rec",  ".png", ".jpg", ".jpeg",
+                                        ".tga",   ".bmp", ".hdr", ".gif",  ".psd", ".ppm"};
     for (size_t i = 0; i < COUNT_OF(known); i++)
         if (has_extension(path, known[i])) return known[i];
     return NULL;

@@ -171,8 +171,8 @@ static bool asset_exists(const script *s, const char *name)
 
 static bool looks_like_asset(const char *name)
 {
-    static const char *const extensions[] = {".obj", ".mtl", ".scene", ".png", ".jpg", ".jpeg",
-                                             ".tga", ".bmp", ".hdr",   ".gif", ".psd"};
+    static const char *const extensions[] = {".obj", ".mtl", ".gltf", ".glb", ".fbx", ".dae", ".ply", ".stl", ".scene",
+                                             ".png", ".jpg", ".jpeg", ".tga", ".bmp", ".hdr", ".gif", ".psd"};
     for (size_t i = 0; i < COUNT_OF(extensions); i++)
         if (has_extension(name, extensions[i])) return true;
     return false;

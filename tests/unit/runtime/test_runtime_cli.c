@@ -50,7 +50,7 @@ static void wrong_usage_is_status_2_with_a_hint(void **unused)
                  {"render a.scene -o c.png --aov depth,", "a list of depth, normal, id, triangle expected, got ''"},
                  {"render a.scene -o c.png --aov", "--aov: LIST is missing"},
                  {"render a.scene -o c.png --explain=yes", "--explain takes no value"},
-                 {"render README.md -o c.png", "neither a .scene nor an .obj"},
+                 {"render README.md -o c.png", "neither a .scene nor a mesh"},
                  {"scan a.scene", "-o FILE is missing"},
                  {"scan a.scene -o a.xyz", "ends in .ply or .pcd"},
                  {"scan a.scene -o a.ply --pattern rays", "spinning or grid expected"},

@@ -1,0 +1,155 @@
+/* Materials as MTL has them. Metallic-roughness ones become the nearest Lambert-Phong: a metal's colour is in its
+ * highlight, and the exponent 2 / r^4 - 2 makes the highlight as wide as a roughness of r does (Burley, "Physically
+ * Based Shading at Disney", 2012, has alpha = r^2; Walter et al. 2007 relate alpha to Phong's exponent). */
+#include "geometry/foreign/assimp.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct reader {
+    const daft_foreign *from;
+    const struct aiMaterial *material;
+} reader;
+
+static bool number(const reader *r, const char *key, unsigned type, unsigned index, float *out)
+{
+    unsigned count = 1;
+    float value;
+    if (r->from->assimp->numbers(r->material, key, type, index, &value, &count) != aiReturn_SUCCESS || !isfinite(value))
+        return false;
+    *out = value;
+    return true;
+}
+
+static bool color(const reader *r, const char *key, unsigned type, unsigned index, daft_vec3 *out)
+{
+    struct aiColor4D c;
+    if (r->from->assimp->color(r->material, key, type, index, &c) != aiReturn_SUCCESS) return false;
+    if (!isfinite(c.r) || !isfinite(c.g) || !isfinite(c.b)) return false;
+    *out = daft_v3(c.r > 0 ? c.r : 0, c.g > 0 ? c.g : 0, c.b > 0 ? c.b : 0);
+    return true;
+}
+
+/* ---- pictures ---- */
+
+/* One within the file. A raw one gets the header of a TGA file, which readers of pictures know. */
+static bool take_embedded(const daft_foreign *from, const struct aiTexture *texture, daft_mtl *out)
+{
+    enum { TGA_HEADER = 18 };
+    const bool raw = texture->mHeight > 0;
+    const size_t pixels = (size_t)texture->mWidth * texture->mHeight;
+    const size_t size = raw ? TGA_HEADER + 4 * pixels : texture->mWidth;
+    if (raw && (texture->mWidth > 16384 || texture->mHeight > 16384)) return true;
+    uint8_t *bytes = daft_alloc_zero(from->allocator, size ? size : 1, 1);
+    if (!bytes) return daft_fail_memory(from->error, "a texture");
+    if (raw) { /* type 2: true colour; 32 bits, the top row first */
+        const uint8_t header[TGA_HEADER] = {[2] = 2,
+                                            [12] = (uint8_t)texture->mWidth,
+                                            [13] = (uint8_t)(texture->mWidth >> 8),
+                                            [14] = (uint8_t)texture->mHeight,
+                                            [15] = (uint8_t)(texture->mHeight >> 8),
+                                            [16] = 32,
+                                            [17] = 0x28};
+        memcpy(bytes, header, sizeof header);
+        memcpy(bytes + TGA_HEADER, texture->pcData, 4 * pixels); /* B G R A */
+    } else {
+        memcpy(bytes, texture->pcData, size);
+    }
+    out->map_bytes = bytes, out->map_size = size;
+    return true;
+}
+
+static const struct aiTexture *find_embedded(const struct aiScene *scene, const char *name)
+{
+    if (name[0] == '*') {
+        const unsigned long index = strtoul(name + 1, NULL, 10);
+        return index < scene->mNumTextures ? scene->mTextures[index] : NULL;
+    }
+    const char *slash = strrchr(name, '/');
+    for (unsigned i = 0; i < scene->mNumTextures; i++) {
+        const char *own = scene->mTextures[i]->mFilename.data, *base = strrchr(own, '/');
+        base = base ? base + 1 : own;
+        if (base[0] && strcmp(base, slash ? slash + 1 : name) == 0) return scene->mTextures[i];
+    }
+    return NULL;
+}
+
+/* Beside the model as the file says, or right beside it: exporters write paths of their own machine. */
+static void place_map(const daft_foreign *from, const char *name, char out[1024])
+{
+    char folder[1024];
+    const char *slash = strrchr(from->path, '/'), *base = strrchr(name, '/');
+    snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash + 1 - from->path) : 0, from->path);
+    snprintf(out, 1024, "%.500s%.500s", folder, name);
+    if (base && !daft_file_exists(from->files, out)) snprintf(out, 1024, "%.500s%.500s", folder, base + 1);
+}
+
+static bool take_map(const reader *r, enum aiTextureType type, daft_mtl *out)
+{
+    struct aiString name;
+    if (r->from->assimp->texture(r->material, type, 0, &name, NULL, NULL, NULL, NULL, NULL, NULL) != aiReturn_SUCCESS)
+        return true;
+    for (char *c = name.data; *c; c++)
+        if (*c == '\\') *c = '/';
+    const struct aiTexture *embedded = find_embedded(r->from->scene, name.data);
+    if (embedded) { /* the name is its own in the cache of textures */
+        snprintf(out->diffuse_map, sizeof out->diffuse_map, "%.500s#%.400s", r->from->path, name.data);
+        return take_embedded(r->from, embedded, out);
+    }
+    if (name.data[0] && name.data[0] != '*') place_map(r->from, name.data, out->diffuse_map);
+    return true;
+}
+
+/* ---- the material ---- */
+
+static void from_metal(const reader *r, daft_mtl *out)
+{
+    float metal = 1, rough = 1;
+    const bool has = number(r, AI_MATKEY_METALLIC_FACTOR, &metal) | number(r, AI_MATKEY_ROUGHNESS_FACTOR, &rough);
+    daft_vec3 base = out->diffuse;
+    color(r, AI_MATKEY_BASE_COLOR, &base);
+    out->diffuse = out->ambient = base;
+    if (!has) return;
+    metal = metal < 0 ? 0 : metal > 1 ? 1 : metal, rough = rough < 0.1f ? 0.1f : rough > 1 ? 1 : rough;
+    const float dielectric = 0.04f * (1 - metal), fourth = rough * rough * rough * rough;
+    out->specular = daft_v3(dielectric + metal * base.x, dielectric + metal * base.y, dielectric + metal * base.z);
+    out->shininess = fminf(2 / fourth - 2, 1000);
+    /* What mirrors in a metal is drawn as its colour: without a map of the surroundings it would be black. */
+    out->diffuse = out->ambient = daft_scale(base, 1 - 0.5f * metal);
+}
+
+static bool fill(const reader *r, uint32_t index, daft_mtl *out)
+{
+    struct aiString name;
+    float strength = 1;
+    *out = daft_mtl_default();
+    snprintf(out->file, sizeof out->file, "%.1000s", r->from->path);
+    if (r->from->assimp->string(r->material, AI_MATKEY_NAME, &name) == aiReturn_SUCCESS && name.length > 0)
+        snprintf(out->name, sizeof out->name, "%.200s", name.data);
+    else
+        snprintf(out->name, sizeof out->name, "material %u", index);
+    color(r, AI_MATKEY_COLOR_DIFFUSE, &out->diffuse);
+    out->ambient = out->diffuse;
+    color(r, AI_MATKEY_COLOR_SPECULAR, &out->specular);
+    if (number(r, AI_MATKEY_SHININESS_STRENGTH, &strength))
+        out->specular = daft_scale(out->specular, fmaxf(strength, 0));
+    if (number(r, AI_MATKEY_SHININESS, &out->shininess)) out->shininess = fminf(fmaxf(out->shininess, 0), 1000);
+    color(r, AI_MATKEY_COLOR_EMISSIVE, &out->emission);
+    if (number(r, AI_MATKEY_OPACITY, &out->opacity)) out->opacity = fminf(fmaxf(out->opacity, 0), 1);
+    from_metal(r, out);
+    return take_map(r, aiTextureType_BASE_COLOR, out) &&
+           (out->diffuse_map[0] || take_map(r, aiTextureType_DIFFUSE, out));
+}
+
+bool daft_foreign_materials(const daft_foreign *from, daft_mtl_list *out)
+{
+    const struct aiScene *scene = from->scene;
+    if (!daft_grow(from->allocator, &out->items, &out->capacity, scene->mNumMaterials + 1, 0, sizeof *out->items))
+        return daft_fail_memory(from->error, "a model's materials");
+    for (uint32_t i = 0; i < scene->mNumMaterials; i++) {
+        const reader r = {from, scene->mMaterials[i]};
+        if (!fill(&r, i, &out->items[out->count++])) return false;
+    }
+    return true;
+}
