@@ -106,11 +106,12 @@ static bool take_map(const reader *r, enum aiTextureType type, daft_mtl *out)
 static void from_metal(const reader *r, daft_mtl *out)
 {
     float metal = 1, rough = 1;
-    const bool has = number(r, AI_MATKEY_METALLIC_FACTOR, &metal) | number(r, AI_MATKEY_ROUGHNESS_FACTOR, &rough);
+    const bool has_metal = number(r, AI_MATKEY_METALLIC_FACTOR, &metal);
+    const bool has_rough = number(r, AI_MATKEY_ROUGHNESS_FACTOR, &rough);
     daft_vec3 base = out->diffuse;
     color(r, AI_MATKEY_BASE_COLOR, &base);
     out->diffuse = out->ambient = base;
-    if (!has) return;
+    if (!has_metal && !has_rough) return;
     metal = metal < 0 ? 0 : metal > 1 ? 1 : metal, rough = rough < 0.1f ? 0.1f : rough > 1 ? 1 : rough;
     const float dielectric = 0.04f * (1 - metal), fourth = rough * rough * rough * rough;
     out->specular = daft_v3(dielectric + metal * base.x, dielectric + metal * base.y, dielectric + metal * base.z);

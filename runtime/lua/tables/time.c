@@ -188,7 +188,7 @@ static int after(lua_State *L, host *h)
 }
 
 /* The function, ticks, and the tick it is next due at are on the stack. */
-static int repeat_again(lua_State *L, int status, lua_KContext unused);
+static int repeat_again(lua_State *L, int status, lua_KContext context);
 
 static int repeat_ended(lua_State *L, int status, lua_KContext unused)
 {
