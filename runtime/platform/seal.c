@@ -104,10 +104,11 @@ static void allow(int rules, const char *path, uint64_t rights)
 
 static void allow_all(int rules, const seal_def *def, uint64_t handled)
 {
-    /* Cursors, fonts and keyboard layouts; drivers and codecs that are loaded when they are first needed; gamepads that
-     * are plugged in later. */
-    static const char *const SYSTEM[] = {"/usr/lib",   "/usr/lib64",       "/lib",         "/lib64",
-                                         "/usr/share", "/nix/store",       "/dev/urandom", "/dev/input",
+    /* Libraries that are loaded when they are first needed: Assimp, drivers, codecs. */
+    static const char *const LIBRARIES[] = {"/usr/lib",   "/usr/lib64",      "/lib", "/lib64", "/usr/local/lib",
+                                            "/nix/store", "/etc/ld.so.cache"};
+    /* Cursors, fonts and keyboard layouts; gamepads that are plugged in later. */
+    static const char *const SYSTEM[] = {"/usr/share", "/dev/urandom",     "/dev/input",
                                          "/run/udev",  "/sys/class/input", "/sys/devices"};
     const uint64_t reads = FS_READ_FILE | FS_READ_DIR;
     const uint64_t writes = FS_WRITE_FILE | FS_READ_DIR | FS_REMOVE_FILE | FS_MAKE_REG | (FS_TRUNCATE & handled);
@@ -115,6 +116,7 @@ static void allow_all(int rules, const seal_def *def, uint64_t handled)
         allow(rules, def->readable[i], reads);
         allow(rules, def->writable[i], writes);
     }
+    for (size_t i = 0; i < COUNT_OF(LIBRARIES); i++) allow(rules, LIBRARIES[i], reads);
     for (size_t i = 0; def->window && i < COUNT_OF(SYSTEM); i++) allow(rules, SYSTEM[i], reads);
     allow(rules, "/dev/null", FS_READ_FILE | FS_WRITE_FILE);
 }
