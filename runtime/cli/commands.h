@@ -3,7 +3,7 @@
 #define RUNTIME_CLI_COMMANDS_H
 
 #include "hud/canvas.h"
-#include "common/home.h"
+#include "files/home.h"
 
 int command_play(int argc, char **argv);
 int command_render(int argc, char **argv);

@@ -3,8 +3,8 @@
 #include "cli/commands.h"
 
 #include "cli/cli.h"
-#include "common/pack.h"
-#include "common/source.h"
+#include "files/pack.h"
+#include "files/source.h"
 
 #include <stdio.h>
 #include <stdlib.h>

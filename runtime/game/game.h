@@ -9,7 +9,7 @@
 #ifndef RUNTIME_GAME_GAME_H
 #define RUNTIME_GAME_GAME_H
 
-#include "common/source.h"
+#include "files/source.h"
 #include "lua/host.h"
 #include "game/recording.h"
 

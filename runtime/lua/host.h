@@ -11,7 +11,7 @@
 #define RUNTIME_HOST_H
 
 #include "hud/canvas.h"
-#include "common/home.h"
+#include "files/home.h"
 #include "platform/input.h"
 #include "lua/watchdog.h"
 

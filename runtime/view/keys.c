@@ -2,7 +2,7 @@
 #include "view/keys.h"
 
 #include "common/util.h"
-#include "view/draw.h"
+#include "view/picture/draw.h"
 #include "view/view.h"
 
 #include <stdio.h>

@@ -2,12 +2,12 @@
 #ifndef RUNTIME_VIEW_VIEWER_H
 #define RUNTIME_VIEW_VIEWER_H
 
-#include "view/content.h"
-#include "view/draw.h"
+#include "view/picture/content.h"
+#include "view/picture/draw.h"
 #include "view/fly.h"
 #include "job/job.h"
 #include "view/keys.h"
-#include "view/refine.h"
+#include "view/picture/refine.h"
 #include "view/route.h"
 #include "view/screen.h"
 #include "view/view.h"

@@ -8,7 +8,7 @@ set -eu
 cd "$1"
 calls='\b(fopen|freopen|fopen64|open|open64|openat|creat|opendir|scandir|nftw|ftw|mmap|dlopen|popen|system)[ ]*\('
 found=$(grep -rnE "$calls" engine runtime --include=*.c --include=*.h | grep -vE '^[^:]*:[0-9]*: *(\*|/\*|//)' || true)
-allowed='^(engine/base/files\.c|engine/base/writer\.c|runtime/game/recording\.c|runtime/common/home\.c|runtime/cli/check/check\.c|runtime/cli/video\.c|runtime/view/content\.c|runtime/many/many\.c|runtime/platform/seal[a-z_]*\.c):'
+allowed='^(engine/base/files\.c|engine/base/writer\.c|runtime/game/recording\.c|runtime/files/home\.c|runtime/cli/check/check\.c|runtime/cli/video\.c|runtime/view/picture/content\.c|runtime/many/many\.c|runtime/platform/seal[a-z_]*\.c):'
 bad=$(printf '%s\n' "$found" | grep -vE "$allowed" | grep . || true)
 if [ -n "$bad" ]; then
     echo "files are opened by engine/base/files.h and engine/base/writer.h only:"
@@ -16,7 +16,7 @@ if [ -n "$bad" ]; then
     exit 1
 fi
 # The exceptions open folders, or write.
-bad=$(grep -nE '\b(fopen|freopen|creat|mmap|system|popen)[ ]*\(|\bopen(at)?[ ]*\(.*O_RDONLY' runtime/common/home.c runtime/cli/check/check.c runtime/cli/video.c \
+bad=$(grep -nE '\b(fopen|freopen|creat|mmap|system|popen)[ ]*\(|\bopen(at)?[ ]*\(.*O_RDONLY' runtime/files/home.c runtime/cli/check/check.c runtime/cli/video.c \
     runtime/game/recording.c | grep -vE 'O_DIRECTORY|O_NOFOLLOW' || true)
 [ -z "$bad" ] || { echo "these are to go through daft_read_file:" && printf '%s\n' "$bad" && exit 1; }
 echo "$(printf '%s\n' "$found" | wc -l) places open files, all where they may"

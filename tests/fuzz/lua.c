@@ -2,7 +2,7 @@
  * itself. A call may run a million instructions and hold 64 MiB, so that endless scripts end soon. */
 #include "fuzz.h"
 
-#include "common/source.h"
+#include "files/source.h"
 #include "lua/host.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 /* A packed game: what opens can be listed, and each of its files is read or refused, within its own size. */
 #include "fuzz.h"
 
-#include "common/pack.h"
+#include "files/pack.h"
 
 #include <string.h>
 

@@ -6,7 +6,7 @@
 #define RUNTIME_CLI_CHECK_CHECK_H
 
 #include "hud/canvas.h"
-#include "common/source.h"
+#include "files/source.h"
 #include "common/util.h"
 
 #include <stdio.h>

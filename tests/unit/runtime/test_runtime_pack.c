@@ -1,6 +1,6 @@
-/* runtime/common/pack and `daft pack`: archives are the same to the bit, read back, and refused where they are hostile.
+/* runtime/files/pack and `daft pack`: archives are the same to the bit, read back, and refused where they are hostile.
  */
-#include "common/pack.h"
+#include "files/pack.h"
 #include "common/util.h"
 
 #include "fixtures.h"

@@ -2,7 +2,7 @@
  * the same hashes on any number of threads, and the demo where there is no display. */
 #include "cli/commands.h"
 #include "game/game.h"
-#include "common/home.h"
+#include "files/home.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,7 +1,7 @@
 /* runtime: the window of `daft view`: how the camera moves, and what keys, drops and saved files do, on a platform made
  * for tests that presses one key a frame. */
 #include "common/util.h"
-#include "view/draw.h"
+#include "view/picture/draw.h"
 #include "view/fly.h"
 #include "job/job.h"
 #include "job/shot.h"

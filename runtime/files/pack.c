@@ -1,5 +1,5 @@
 /* Reading zip archives (PKWARE's APPNOTE 6.3, without its 64-bit and encrypted forms). */
-#include "common/pack.h"
+#include "files/pack.h"
 
 #include "common/util.h"
 

@@ -1,5 +1,5 @@
 /* SHA-256 as FIPS 180-4 writes it down. */
-#include "common/sha256.h"
+#include "files/sha256.h"
 
 #include <stdio.h>
 #include <string.h>

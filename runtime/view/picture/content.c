@@ -1,5 +1,5 @@
 /* What is shown. */
-#include "view/content.h"
+#include "view/picture/content.h"
 
 #include "common/showcase.h"
 

@@ -1,5 +1,5 @@
 /* The files of one game. */
-#include "common/source.h"
+#include "files/source.h"
 
 #include <stdlib.h>
 

@@ -4,12 +4,12 @@
  * Before a byte is inflated the whole archive is looked at, and refused where it holds a link or anything else that is
  * no file, a name that is absolute or has "..", two files of one name, files that overlap, or more than a game may
  * be: PACK_FILES files, PACK_BYTES in all, PACK_RATIO times the bytes that the archive has for a file. */
-#ifndef RUNTIME_COMMON_PACK_H
-#define RUNTIME_COMMON_PACK_H
+#ifndef RUNTIME_FILES_PACK_H
+#define RUNTIME_FILES_PACK_H
 
 #include "daft.h"
 
-#include "common/sha256.h"
+#include "files/sha256.h"
 
 enum { PACK_FILES = 10000, PACK_NAME = 512, PACK_RATIO = 200, PACK_SMALL = 65536 /* bytes that any file may have */ };
 static const uint64_t PACK_BYTES = (uint64_t)1 << 30;

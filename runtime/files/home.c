@@ -1,7 +1,7 @@
 /* Finds the program's folders and the games. */
-#include "common/home.h"
+#include "files/home.h"
 
-#include "common/source.h"
+#include "files/source.h"
 
 #include <ctype.h>
 #include <dirent.h>

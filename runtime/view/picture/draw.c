@@ -1,5 +1,5 @@
 /* Pictures and channels. */
-#include "view/draw.h"
+#include "view/picture/draw.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,8 +1,8 @@
 /* refine: the picture at quality `reference`, a few rows at a time, while nothing moves. */
-#ifndef RUNTIME_VIEW_REFINE_H
-#define RUNTIME_VIEW_REFINE_H
+#ifndef RUNTIME_VIEW_PICTURE_REFINE_H
+#define RUNTIME_VIEW_PICTURE_REFINE_H
 
-#include "view/draw.h"
+#include "view/picture/draw.h"
 
 /* Whether the user wants something, so that a piece of work should be dropped. */
 typedef bool refine_asked(void *user);

@@ -1,6 +1,9 @@
-/* content: the file that is shown, and when it has changed on the disk. */
-#ifndef RUNTIME_VIEW_CONTENT_H
-#define RUNTIME_VIEW_CONTENT_H
+/* picture: what the window shows: the file (content.h), a picture of it (draw.h), a finer one row by row (refine.h).
+ * Public headers: content.h draw.h refine.h
+ *
+ * content: the file that is shown, and when it has changed on the disk. */
+#ifndef RUNTIME_VIEW_PICTURE_CONTENT_H
+#define RUNTIME_VIEW_PICTURE_CONTENT_H
 
 #include "common/util.h"
 

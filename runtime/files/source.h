@@ -1,11 +1,11 @@
 /* source: where the files of one game come from: its folder, or the pack that it is; then assets/, then scripts/; and
  * from nowhere else. Promises: whatever names a game uses, and whatever links lie in its folder, nothing beside these
  * is read; a packed game stays as it was opened, whatever becomes of its file. */
-#ifndef RUNTIME_COMMON_SOURCE_H
-#define RUNTIME_COMMON_SOURCE_H
+#ifndef RUNTIME_FILES_SOURCE_H
+#define RUNTIME_FILES_SOURCE_H
 
-#include "common/home.h"
-#include "common/pack.h"
+#include "files/home.h"
+#include "files/pack.h"
 
 typedef struct game_source {
     daft_files *files;      /* all three */

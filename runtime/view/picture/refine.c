@@ -1,5 +1,5 @@
 /* Rows of the reference picture. */
-#include "view/refine.h"
+#include "view/picture/refine.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,8 +1,8 @@
 /* draw: a picture of the content: shaded, or a channel of it in colours, with or without edges. */
-#ifndef RUNTIME_VIEW_DRAW_H
-#define RUNTIME_VIEW_DRAW_H
+#ifndef RUNTIME_VIEW_PICTURE_DRAW_H
+#define RUNTIME_VIEW_PICTURE_DRAW_H
 
-#include "view/content.h"
+#include "view/picture/content.h"
 
 typedef enum view_channel {
     VIEW_PICTURE,

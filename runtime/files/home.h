@@ -1,7 +1,10 @@
-/* home: finds the program's own folders games/, assets/ and scripts/, and the games in games/.
+/* files: the program's folders and games (home.h), a game's files (source.h), packed games (pack.h) and their hash
+ * (sha256.h). Public headers: home.h source.h pack.h sha256.h
+ *
+ * home: finds the program's own folders games/, assets/ and scripts/, and the games in games/.
  * Search order: $DAFT_HOME, ../share/daft beside the program, then each folder above the program. */
-#ifndef RUNTIME_COMMON_HOME_H
-#define RUNTIME_COMMON_HOME_H
+#ifndef RUNTIME_FILES_HOME_H
+#define RUNTIME_FILES_HOME_H
 
 #include "common/util.h"
 

@@ -1,6 +1,6 @@
 /* SHA-256 (FIPS 180-4): what a packed game is known by. */
-#ifndef RUNTIME_COMMON_SHA256_H
-#define RUNTIME_COMMON_SHA256_H
+#ifndef RUNTIME_FILES_SHA256_H
+#define RUNTIME_FILES_SHA256_H
 
 #include <stddef.h>
 #include <stdint.h>
