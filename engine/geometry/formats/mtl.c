@@ -14,9 +14,10 @@ typedef struct reader {
     daft_text text;
     const daft_allocator *allocator;
     const daft_files *files;
-    daft_error *error;
+    daft_error *error; /* of the line that is being read; NULL: nobody will be told */
+    bool out_of_memory;
     daft_mtl_list *list;
-    daft_mtl *current;               /* NULL before the first newmtl */
+    daft_mtl *current;               /* NULL before the first newmtl, and after one that is left out */
     bool has_ambient, has_d, has_tr; /* in the current material */
     float tr;
     const char *first_unknown;
@@ -333,15 +334,18 @@ static bool read_newmtl(reader *r, const char *word, const char *p)
     size_t length;
     const char *name = daft_rest_of_line(&r->text, p, &length);
     daft_mtl material = daft_mtl_default();
-    if (length == 0) return daft_text_fail(&r->text, word, r->error, "newmtl needs a name");
+    r->current = NULL;
+    if (length == 0) daft_text_warn(&r->text, word, "this material has no name");
     if (length >= sizeof material.name || memchr(name, 0, length))
         return daft_text_fail(&r->text, name, r->error, "a material's name has at most %zu characters",
                               sizeof material.name - 1);
     memcpy(material.name, name, length);
     snprintf(material.file, sizeof material.file, "%s", r->text.path);
     daft_mtl_list *list = r->list;
-    if (!daft_grow(r->allocator, &list->items, &list->capacity, list->count + 1, list->count, sizeof material))
-        return daft_fail_at(r->error, DAFT_ERROR_MEMORY, r->text.path, 0, 0, "out of memory for the materials");
+    if (!daft_grow(r->allocator, &list->items, &list->capacity, list->count + 1, list->count, sizeof material)) {
+        r->out_of_memory = true;
+        return false;
+    }
     list->items[list->count] = material;
     r->current = &list->items[list->count++];
     r->has_ambient = r->has_d = r->has_tr = false;
@@ -399,6 +403,15 @@ static bool read_statement(reader *r, const char **cursor)
     return true;
 }
 
+/* A line that cannot be read is left out. False: memory is out. */
+static bool read_guarded(reader *r, const char **cursor)
+{
+    daft_error why;
+    r->error = daft_text_is_told(&r->text) ? &why : NULL;
+    if (!read_statement(r, cursor) && !r->out_of_memory) daft_text_lose(&r->text, &why);
+    return !r->out_of_memory;
+}
+
 static bool read_lines(reader *r)
 {
     for (const char *p = r->text.begin; p < r->text.end;) {
@@ -408,16 +421,16 @@ static bool read_lines(reader *r)
             p = daft_skip_comment(&r->text, p);
         else if (daft_is_blank(*p) || (*p == '\\' && daft_is_break(p[1])))
             p = daft_skip_blanks(p);
-        else if (!read_statement(r, &p))
+        else if (!read_guarded(r, &p))
             return false;
     }
     return true;
 }
 
 /* Exporters write files with nothing but comments for scenes without materials. */
-static bool check_content(reader *r)
+static bool check_content(reader *r, size_t before)
 {
-    if (r->current) return true;
+    if (r->list->count > before) return true;
     if (r->first_unknown && !r->any_known)
         return daft_text_fail(&r->text, r->first_unknown, r->error, "not an MTL file: nothing in it is known");
     const char *p = r->text.begin;
@@ -432,12 +445,11 @@ bool daft_mtl_parse(const daft_allocator *allocator, const daft_files *files, co
                     size_t size, const daft_log *log, daft_mtl_list *list, daft_error *error)
 {
     size_t before = list->count;
-    reader r = {.text = daft_text_open(path, text, size, log),
-                .allocator = allocator,
-                .files = files,
-                .error = error,
-                .list = list};
-    bool done = read_lines(&r) && check_content(&r);
+    reader r = {.text = daft_text_open(path, text, size, log), .allocator = allocator, .files = files, .list = list};
+    if (!daft_text_check_encoding(&r.text, error)) return false;
+    bool done = read_lines(&r) || daft_fail_at(error, DAFT_ERROR_MEMORY, path, 0, 0, "out of memory for the materials");
+    r.error = error;
+    done = done && check_content(&r, before);
     if (done)
         daft_text_close(&r.text);
     else

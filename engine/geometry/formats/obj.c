@@ -2,15 +2,13 @@
  *
  * What is an error (nothing is loaded; the message has line and column) and what a warning (the rest is loaded):
  *
- *   error     a number or a corner that is none; too few numbers; a face whose position index is larger than the
- *             number of positions in the whole file; an empty file; a file without any OBJ statement; a file none of
- *             whose faces can be used; an error in a material file that is there
- *   dropped   a face, with a warning: fewer than 3 corners; position index 0; a negative index that reaches before the
- *             first position; a NaN or infinite position; fewer than 3 different corners
- *   absent    a uv or normal, with a warning: its index beyond the array. Index 0 and an empty place mean "none" and
- *             are quiet
- *   warning   a material file that is not there, a material that no file defines, an unknown statement, a file
- *             without faces
+ *   error     an empty file; a file without any OBJ statement, or in UTF-16; a file none of whose faces can be used; a
+ *             material file without any MTL statement
+ *   dropped   a line, with a warning: a number or a corner that is none; too few numbers. Later lines keep their
+ * numbers dropped   a face, with a warning: fewer than 3 corners; a position index of 0, beyond the last or before the
+ * first; a NaN or infinite position; fewer than 3 different corners absent    a uv or normal, with a warning: its index
+ * beyond the array. Index 0 and an empty place mean "none" and are quiet warning   a material file that is not there, a
+ * material that no file defines, an unknown statement, a file without faces
  *
  * At most ten warnings of a file are told, then how many more there were. `v` may carry w or a colour, which are not
  * used; `o g l p vw vp mg` and display hints are skipped. `s` and `usemtl` hold until the next of their kind. Faces may

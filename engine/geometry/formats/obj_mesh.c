@@ -22,17 +22,6 @@ static const char *place_of(const builder *b, size_t face)
     return daft_obj_find_face(s, face);
 }
 
-static bool fail_position(const builder *b, size_t face, uint32_t corner)
-{
-    const daft_text *text = &b->source->text;
-    const char *p = daft_obj_find_face(b->source, face) + 1;
-    for (p = daft_skip_blanks(p); corner > 0; corner--) p = daft_skip_blanks(daft_skip_token(text, p));
-    size_t length = 0;
-    while ((unsigned)(p[length] - '0') < 10 || p[length] == '+') length++;
-    return daft_text_fail(text, p, b->error, "vertex %s does not exist: the file has %zu",
-                          daft_text_quote(p, length).text, b->source->position_count);
-}
-
 static void check_attribute(builder *b, size_t face, uint32_t *index, size_t count, const char *what)
 {
     if (*index == DAFT_OBJ_ABSENT || *index < count) return;
@@ -42,19 +31,24 @@ static void check_attribute(builder *b, size_t face, uint32_t *index, size_t cou
     *index = DAFT_OBJ_ABSENT;
 }
 
-/* Makes every index of a face's corners fit its array. False: an error. */
-static bool check_corners(builder *b, size_t face, size_t first, uint32_t count)
+static bool has_missing_position(const builder *b, const uint32_t *corners, uint32_t count)
+{
+    for (uint32_t k = 0; k < count; k++)
+        if (corners[k] >= b->source->position_count) return true;
+    return false;
+}
+
+/* Makes every index of uvs and normals of a face fit its array. */
+static void check_corners(builder *b, size_t face, size_t first, uint32_t count)
 {
     daft_obj_source *s = b->source;
     for (uint32_t k = 0; k < count; k++) {
-        if (s->corner_positions[first + k] >= s->position_count) return fail_position(b, face, k);
         uint32_t *uv = s->corner_uvs ? &s->corner_uvs[first + k] : NULL;
         if (uv) check_attribute(b, face, uv, s->uv_count, "texture coordinate");
         if (s->corner_normals) check_attribute(b, face, &s->corner_normals[first + k], s->normal_count, "normal");
         if (!uv || !s->bad_uv || *uv == DAFT_OBJ_ABSENT) continue;
         if (!isfinite(s->uvs[*uv].x) || !isfinite(s->uvs[*uv].y)) *uv = DAFT_OBJ_ABSENT;
     }
-    return true;
 }
 
 static bool has_bad_position(const builder *b, const uint32_t *corners, uint32_t count)
@@ -130,8 +124,12 @@ static bool put_polygon(builder *b, size_t face, size_t first, uint32_t count, c
 static bool put_face(builder *b, size_t face, size_t first, uint32_t count, const daft_obj_run *run)
 {
     b->face = face;
-    if (!check_corners(b, face, first, count)) return false;
     const uint32_t *corners = b->source->corner_positions + first;
+    if (has_missing_position(b, corners, count)) {
+        daft_obj_drop(b->source, place_of(b, face), "it names a vertex that does not exist");
+        return true;
+    }
+    check_corners(b, face, first, count);
     if (has_bad_position(b, corners, count)) {
         daft_obj_drop(b->source, place_of(b, face), "a vertex of it is not finite");
         return true;

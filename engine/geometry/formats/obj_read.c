@@ -9,6 +9,7 @@ typedef struct reader {
     daft_obj_name material;        /* the last usemtl's; `slot` is found when a face uses it */
     bool slot_known, run_is_stale; /* the next face starts a run */
     bool any_statement;
+    bool malformed; /* what has just failed is the line alone, and that has been told */
     const char *first_unknown;
     uint32_t *buckets; /* hash table of slot numbers + 1 by name */
     size_t bucket_count;
@@ -65,17 +66,23 @@ void daft_obj_drop(daft_obj_source *source, const char *at, const char *reason)
 /* ---- v, vt, vn ---- */
 
 /* Reads one number of a statement; moves *cursor behind it and the blanks that follow. */
-static inline bool read_number(const reader *r, const char **cursor, const char *keyword, double *out)
+static inline bool read_number(reader *r, const char **cursor, const char *keyword, double *out)
 {
     const char *p = *cursor;
-    if (!daft_scan_number(&p, r->source->text.end, out) || !daft_token_ends(&r->source->text, p))
-        return daft_text_fail_number(&r->source->text, *cursor, keyword, r->error);
+    if (!daft_scan_number(&p, r->source->text.end, out) || !daft_token_ends(&r->source->text, p)) {
+        daft_error why;
+        daft_text *text = &r->source->text;
+        r->malformed = true;
+        daft_text_fail_number(text, *cursor, keyword, daft_text_is_told(text) ? &why : NULL);
+        daft_text_lose(text, &why);
+        return false;
+    }
     *cursor = daft_skip_blanks(p);
     return true;
 }
 
 /* Numbers beyond those a statement needs; *count is how many there are. */
-static bool read_rest(const reader *r, const char **cursor, const char *keyword, int *count)
+static bool read_rest(reader *r, const char **cursor, const char *keyword, int *count)
 {
     double ignored;
     for (*count = 0; !daft_at_end(&r->source->text, *cursor); ++*count)
@@ -84,7 +91,7 @@ static bool read_rest(const reader *r, const char **cursor, const char *keyword,
 }
 
 /* A weight (4 numbers) and a colour (6 or 7) are known and not used. */
-static bool read_position_rest(const reader *r, const char *start, const char **cursor)
+static bool read_position_rest(reader *r, const char *start, const char **cursor)
 {
     int more;
     if (!read_rest(r, cursor, "v", &more)) return false;
@@ -107,7 +114,7 @@ static bool push_position(const reader *r, const char *statement, const double p
     return true;
 }
 
-static bool read_position(const reader *r, const char **cursor)
+static bool read_position(reader *r, const char **cursor)
 {
     const char *start = *cursor;
     double p[3];
@@ -127,7 +134,7 @@ static bool push_normal(const reader *r, const char *statement, const double n[3
     return true;
 }
 
-static bool read_normal(const reader *r, const char **cursor)
+static bool read_normal(reader *r, const char **cursor)
 {
     const char *start = *cursor;
     double n[3];
@@ -153,7 +160,7 @@ static bool push_uv(const reader *r, const char *statement, const double p[2])
 }
 
 /* One number (v is 0), two, or three (the third is for solid textures and not used). */
-static bool read_uv(const reader *r, const char **cursor)
+static bool read_uv(reader *r, const char **cursor)
 {
     daft_text *text = &r->source->text;
     const char *start = *cursor;
@@ -176,11 +183,16 @@ static inline uint32_t resolve(int64_t index, size_t count)
     return index < 0 || index == (int64_t)count ? DAFT_OBJ_ABSENT : (uint32_t)index;
 }
 
-static bool fail_corner(const reader *r, const char *at)
+static bool fail_corner(reader *r, const char *at)
 {
-    size_t length = (size_t)(daft_skip_token(&r->source->text, at) - at);
-    return daft_text_fail(&r->source->text, at, r->error, "'%s' is not a corner of a face: v, v/vt, v//vn or v/vt/vn",
-                          daft_text_quote(at, length).text);
+    daft_error why;
+    daft_text *text = &r->source->text;
+    size_t length = (size_t)(daft_skip_token(text, at) - at);
+    r->malformed = true;
+    daft_text_fail(text, at, daft_text_is_told(text) ? &why : NULL,
+                   "'%s' is not a corner of a face: v, v/vt, v//vn or v/vt/vn", daft_text_quote(at, length).text);
+    daft_text_lose(text, &why);
+    return false;
 }
 
 /* A place that says "none": empty or 0. Anything else that cannot be had is worth a warning. */
@@ -197,7 +209,7 @@ static uint32_t resolve_attribute(const reader *r, const char *at, int64_t index
 enum { POSITION, UV, NORMAL };
 
 /* The part of a corner behind the position: /vt, //vn, /vt/vn. *cursor stands on the first slash. */
-static inline bool read_attributes(const reader *r, const char *start, const char **cursor, uint32_t corner[3])
+static inline bool read_attributes(reader *r, const char *start, const char **cursor, uint32_t corner[3])
 {
     const daft_obj_source *s = r->source;
     const char *p = *cursor + 1;
@@ -234,7 +246,7 @@ static bool push_corner(const reader *r, const uint32_t corner[3])
 }
 
 /* Appends the corners of a face. *reason stays NULL unless the face has to be dropped, and *where is then the place. */
-static bool read_corners(const reader *r, const char **cursor, const char **reason, const char **where)
+static bool read_corners(reader *r, const char **cursor, const char **reason, const char **where)
 {
     const daft_obj_source *s = r->source;
     const char *p = *cursor;
@@ -325,12 +337,24 @@ static bool push_count(const reader *r, uint32_t count)
     return true;
 }
 
+/* A face that cannot be read counts as one that has been dropped. */
+static bool lose_face(reader *r, const char *statement, size_t corners_before)
+{
+    daft_obj_source *s = r->source;
+    if (!r->malformed) return false;
+    s->corner_count = corners_before;
+    s->drops++;
+    if (!s->first_drop) s->first_drop = statement, s->first_drop_reason = "a corner of it cannot be read";
+    r->malformed = push_count(r, 0); /* else memory is out */
+    return false;
+}
+
 static bool read_face(reader *r, const char *statement, const char **cursor)
 {
     daft_obj_source *s = r->source;
     const char *reason = NULL, *where = statement;
     size_t before = s->corner_count;
-    if (!read_corners(r, cursor, &reason, &where)) return false;
+    if (!read_corners(r, cursor, &reason, &where)) return lose_face(r, statement, before);
     size_t count = s->corner_count - before;
     if (!reason && count < 3) reason = "it has fewer than 3 corners";
     if (reason) {
@@ -428,6 +452,22 @@ static inline bool read_line(reader *r, const char **cursor)
     return read_statement(r, cursor);
 }
 
+/* A line that cannot be read is left out. What later lines count keeps its number: a position without
+ * numbers is not finite, so the faces that use it are dropped. */
+static bool lose_line(reader *r, const char *line, const char **cursor)
+{
+    static const double NOTHING[3] = {NAN, NAN, NAN}, NOWHERE[3] = {0, 0, 0};
+    daft_obj_source *s = r->source;
+    if (!r->malformed) return false;
+    r->malformed = false;
+    *cursor = daft_skip_statement(&s->text, line);
+    const bool more = daft_is_blank(line[1]) || daft_is_break(line[1]);
+    if (line[0] == 'v' && more) return push_position(r, line, NOTHING);
+    if (line[0] == 'v' && line[1] == 't') return push_uv(r, line, NOTHING);
+    if (line[0] == 'v' && line[1] == 'n') return push_normal(r, line, NOWHERE);
+    return true;
+}
+
 static bool read_lines(reader *r)
 {
     const daft_text *text = &r->source->text;
@@ -439,8 +479,10 @@ static bool read_lines(reader *r)
             p = daft_skip_comment(text, p);
         else if (daft_is_blank(*p) || (*p == '\\' && daft_is_break(p[1])))
             p = daft_skip_blanks(p);
-        else if (!read_line(r, &p))
-            return false;
+        else {
+            const char *line = p;
+            if (!read_line(r, &p) && !lose_line(r, line, &p)) return false;
+        }
     }
     return true;
 }
@@ -508,7 +550,7 @@ bool daft_obj_read(daft_obj_source *source, daft_error *error)
                 .group = DAFT_OBJ_GROUP_NONE,
                 .material = {source->text.begin, 0},
                 .run_is_stale = true};
-    bool done = reserve(&r) && read_lines(&r) && check_content(&r);
+    bool done = daft_text_check_encoding(&source->text, error) && reserve(&r) && read_lines(&r) && check_content(&r);
     daft_release(source->allocator, r.buckets);
     return done;
 }

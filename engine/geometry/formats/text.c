@@ -14,6 +14,16 @@ daft_text daft_text_open(const char *path, const char *bytes, size_t size, const
     return (daft_text){.path = path, .begin = bytes + (marked ? 3 : 0), .end = bytes + size, .log = log};
 }
 
+bool daft_text_check_encoding(const daft_text *text, daft_error *error)
+{
+    const char *b = text->begin;
+    const size_t size = (size_t)(text->end - text->begin);
+    const bool marked = size >= 2 && (memcmp(b, "\xFF\xFE", 2) == 0 || memcmp(b, "\xFE\xFF", 2) == 0);
+    const bool wide = size >= 4 && ((b[0] && !b[1] && b[2] && !b[3]) || (!b[0] && b[1] && !b[2] && b[3]));
+    return (!marked && !wide) ||
+           daft_fail_at(error, DAFT_ERROR_SYNTAX, text->path, 1, 1, "this text is UTF-16: save it as UTF-8");
+}
+
 void daft_text_place(const daft_text *text, const char *at, int *line, int *column)
 {
     const char *start = text->begin;
@@ -28,6 +38,7 @@ void daft_text_place(const daft_text *text, const char *at, int *line, int *colu
 
 bool daft_text_fail(const daft_text *text, const char *at, daft_error *error, const char *format, ...)
 {
+    if (!error) return false; /* places are counted from the file's begin: time would be quadratic */
     char message[sizeof error->message];
     va_list arguments;
     va_start(arguments, format);
@@ -49,6 +60,14 @@ void daft_text_warn(daft_text *text, const char *at, const char *format, ...)
     int line, column;
     daft_text_place(text, at, &line, &column);
     daft_warn_at(text->log, DAFT_ERROR_SYNTAX, text->path, line, column, "%s", warning.message);
+}
+
+bool daft_text_is_told(const daft_text *text) { return text->warnings < DAFT_TEXT_WARNINGS; }
+
+void daft_text_lose(daft_text *text, const daft_error *why)
+{
+    if (text->warnings++ >= DAFT_TEXT_WARNINGS) return;
+    daft_warn_at(text->log, why->code, why->file, why->line, why->column, "%s: the line is left out", why->message);
 }
 
 void daft_text_warn_unknown(daft_text *text, const char *at, size_t length, const char *what)

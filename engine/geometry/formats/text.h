@@ -36,7 +36,13 @@ void daft_text_place(const daft_text *text, const char *at, int *line, int *colu
 /* Fills *error with DAFT_ERROR_SYNTAX at the place of `at`; returns false. */
 bool daft_text_fail(const daft_text *text, const char *at, daft_error *error, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
+/* Fails where the text is UTF-16: it has a mark of that, or zeros between its characters. */
+bool daft_text_check_encoding(const daft_text *text, daft_error *error);
 void daft_text_warn(daft_text *text, const char *at, const char *format, ...) __attribute__((format(printf, 3, 4)));
+/* Whether the next warning is told, and not only counted. */
+bool daft_text_is_told(const daft_text *text);
+/* The warning for a line that cannot be read; `why` need only be filled where it is told. */
+void daft_text_lose(daft_text *text, const daft_error *why);
 /* A warning for a keyword or option that nothing is known of, once for each. */
 void daft_text_warn_unknown(daft_text *text, const char *at, size_t length, const char *what);
 /* Tells how many warnings were swallowed. For files that were read to the end. */

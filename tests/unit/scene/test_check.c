@@ -126,7 +126,7 @@ static void odd_meshes_are_told_with_their_lines(void **unused)
                 ":6:1: warning: the texture coordinate is not finite",
                 ":7:1: warning: the texture coordinate is beyond 10,000 repeats");
     EXPECT_FILE("index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", 1,
-                ":4:7: error: vertex 4 does not exist: the file has 3");
+                ":4:1: error: no face of the file can be used: it names a vertex that does not exist");
     EXPECT_FILE("empty.obj", "v 0 0 0\n", 0, ":1:1: warning: the file has no faces: the mesh is empty");
     EXPECT_FILE("nothing.obj", "", 1, ": error: the file is empty, not an OBJ mesh");
 }
@@ -151,7 +151,8 @@ static void odd_materials_are_told(void **unused)
     EXPECT_FILE("paint.mtl", "newmtl red\nKd 1 0 0\nmap_Kd nothing.png\nnewmtl blue\nKd 0 0 1\nnewmtl red\nNs 5000\n",
                 0, ":3:8: warning: a checker stands in for the texture", ": warning: the material 'red' is there twice",
                 ":7:1: warning: 5000 is out of range, and is taken as 1000");
-    EXPECT_FILE("bad.mtl", "newmtl red\nKd 1 nan 0\n", 1, ":2:6: error: a finite number is needed here");
+    EXPECT_FILE("bad.mtl", "newmtl red\nKd 1 nan 0\n", 0,
+                ":2:6: warning: a finite number is needed here: the line is left out");
     EXPECT_FILE("painted.obj", "mtllib paint.mtl\nusemtl blue\n" SOLID, 0,
                 ":1:8: note: materials that no face uses, 2 of 3: red, red");
     EXPECT_FILE("unpainted.obj", "mtllib none.mtl\nusemtl blue\n" SOLID, 0,
@@ -252,8 +253,8 @@ static void games_are_checked_and_run(void **unused)
     expect(path, 1, "/game/level.lua:2: error: fell");
     assert_says(output, "/game/demo.rec: warning: a recording of the game 'other', in the folder of 'game'");
     assert_says(output, "/game/cut.rec:4:1: error: the 'end' line is missing");
-    assert_says(output, "/game/thing.obj:1:6: error: 'v' needs more numbers than this");
-    assert_says(output, "5 files checked: 3 errors, 1 warning\n");
+    assert_says(output, "/game/thing.obj:1:6: warning: 'v' needs more numbers than this: the line is left out");
+    assert_says(output, "5 files checked: 2 errors, 4 warnings\n");
     expect("marble", 0, " 0 errors, 0 warnings");
     expect("assets games scripts", 0, " 0 errors, ");
 }
@@ -262,15 +263,15 @@ static void folders_are_walked(void **unused)
 {
     (void)unused;
     make_folder("a");
-    put("a/one.obj", "v 0 0\n");
+    put("a/one.obj", "f 1 2 3\n");
     make_folder("a/b");
-    put("a/b/two.obj", "v 1\n");
+    put("a/b/two.obj", "\nf 1 2 3\n");
     put("a/b/notes.txt", "nothing of ours\n");
     put("a/b/picture.png", "no picture");
     expect(folder, 1, "/a/b/picture.png: error: ");
-    assert_says(output, "/a/one.obj:1:6: error: ");
-    assert_says(output, "/a/b/two.obj:1:4: error: ");
-    assert_says(output, "3 files checked: 3 errors, 0 warnings");
+    assert_says(output, "/a/one.obj:1:1: error: ");
+    assert_says(output, "/a/b/two.obj:2:1: error: ");
+    assert_says(output, "3 files checked: 3 errors, 2 warnings");
     make_folder("c");
     char path[128];
     snprintf(path, sizeof path, "%s/c", folder);
@@ -330,7 +331,7 @@ static void files_are_checked_through_the_library(void **unused)
     daft_engine *engine = daft_engine_create(&def, NULL);
     daft_error error;
     found f = {0};
-    assert_true(daft_check_file(engine, put("bad.mtl", "newmtl a\nKd x\n"), on_problem, &f, &error));
+    assert_true(daft_check_file(engine, put("bad.mtl", "\nhello a\n"), on_problem, &f, &error));
     assert_int_equal(f.errors, 1);
     assert_int_equal(f.last.line, 2);
     f = (found){0};

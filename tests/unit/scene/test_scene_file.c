@@ -416,7 +416,7 @@ static void mistakes_inside_files_keep_their_own_place(void **state)
     assert_int_equal(error.line, 2);
     assert_int_equal(error.column, 8);
     assert_non_null(strstr(error.file, "bad.scene"));
-    write_text(f, "bad.mtl", "newmtl a\nKd 1 x 1\n");
+    write_text(f, "bad.mtl", "\nhello world\n");
     assert_false(load(f, "sphere 0 0 0 1 bad.mtl\n", &error));
     assert_int_equal(error.line, 2);
     assert_non_null(strstr(error.file, "bad.mtl"));
