@@ -139,27 +139,11 @@ static bool pull_out(sdl_platform *sdl, SDL_JoystickID id)
     return false;
 }
 
-/* In SDL's order. */
 static bool pad_button(const SDL_ControllerButtonEvent *event, input_event *out)
 {
-    static const char *const NAMES[] = {"pad a",
-                                        "pad b",
-                                        "pad x",
-                                        "pad y",
-                                        "pad back",
-                                        "pad guide",
-                                        "pad start",
-                                        "pad left stick",
-                                        "pad right stick",
-                                        "pad left shoulder",
-                                        "pad right shoulder",
-                                        "pad up",
-                                        "pad down",
-                                        "pad left",
-                                        "pad right"};
-    if (event->button >= COUNT_OF(NAMES)) return false;
+    if (event->button > SDL_CONTROLLER_BUTTON_DPAD_RIGHT) return false;
     *out = (input_event){
-        .kind = INPUT_KEY, .key = input_key_find(NAMES[event->button]), .down = event->state == SDL_PRESSED};
+        .kind = INPUT_KEY, .key = input_key_find("pad a") + event->button, .down = event->state == SDL_PRESSED};
     return true;
 }
 
