@@ -18,7 +18,8 @@
 static const cli_command COMMAND = {
     "render",
     "SCENE|SNAPSHOT",
-    "Renders a picture of a .scene file, of a mesh (.obj) in front of a sky, or again what daft view took a snapshot "
+    "Renders a picture of a .scene file, of a mesh (.obj, .gltf, .fbx, ...) in front of a sky, or again what daft view "
+    "took a snapshot "
     "of\n"
     "(.json): the same picture, byte for byte, unless options say otherwise.",
     "The extension of the picture chooses its format: .png or .ppm. With -o a.png, --aov writes a.depth.pfm (metres "

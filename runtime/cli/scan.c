@@ -14,7 +14,8 @@
 static const cli_command COMMAND = {
     "scan",
     "SCENE",
-    "Measures a .scene file or a mesh (.obj) with a laser scanner (lidar), and writes the points it finds.",
+    "Measures a .scene file or a mesh (.obj, .gltf, .fbx, ...) with a laser scanner (lidar), and writes the points it "
+    "finds.",
     "The sensor stands at the scene's camera, level, and looks the way it looks; a grid is also tilted with it. The "
     "name\n"
     "after -o chooses the format: .ply (x, y, z as doubles) or .pcd (as floats), both binary, in the world's axes, "

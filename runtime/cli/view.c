@@ -59,7 +59,7 @@ int command_view(int argc, char **argv)
     const cli_command command = {
         "view",
         "SCENE|MESH|IMAGE",
-        "Shows a .scene file, a mesh (.obj) or a picture in a window, to fly through and to look at.",
+        "Shows a .scene file, a mesh (.obj, .gltf, .fbx, ...) or a picture in a window, to fly through and to look at.",
         view_keys_text(keys, sizeof keys),
         1,
         1};

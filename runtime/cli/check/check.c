@@ -14,7 +14,8 @@
 static const cli_command COMMAND = {
     "check",
     "PATH...",
-    "Checks scenes (.scene), meshes (.obj), materials (.mtl), pictures, scripts (.lua), recordings (.rec), games, and\n"
+    "Checks scenes (.scene), meshes (.obj, .gltf, .fbx, ...), materials (.mtl), pictures, scripts (.lua), recordings "
+    "(.rec), games, and\n"
     "folders of them.",
     "Prints each problem as 'file:line:column: error|warning|note: text'. A game also runs for one second without a\n"
     "window. Exit status 1 on any error.",
