@@ -773,8 +773,8 @@ typedef struct daft_view {
     daft_quality quality;
     /* Knobs: each replaces one value of the quality's preset. They change the picture, never the scene. */
     int samples;          /* per pixel; 0: the quality's; else 1, 4 or 16 */
-    int edge_samples;     /* more where a pixel differs from its neighbours: 0; 4, at outlines and creases; 16, at edges
-                             of shadows and in mirrors, too; -1: the quality's, or 0 where `samples` is set */
+    int edge_samples;     /* more where a pixel differs from its neighbours: 0; 4, its corners, at outlines and creases;
+                             16, at edges of shadows and in mirrors, too; -1: the quality's, or 0 where `samples` is set */
     int mirror_depth;     /* mirror bounces followed, 0 to 32; -1: the quality's */
     int refraction_depth; /* surfaces that a path which passes through some may meet, 0 to 32; -1: the quality's */
     float min_weight;     /* mirrored or refracted rays below it are not cast, 0 to 1; below 0: the quality's */

@@ -6,6 +6,8 @@
 #include "math/simd/ops.h"
 #include "render/kernels.h"
 
+#include <string.h>
+
 /* Two bytes in a word's halves, a limit in each. */
 #define HALVES(x) ((int32_t)((uint32_t)(x)*0x00010001u))
 
@@ -70,13 +72,130 @@ void DAFT_KERNEL(daft_find_contrast)(const daft_neighbours *n, const daft_contra
     }
 }
 
+/* ---- corners of pixels ---- */
+
+/* Pixels that disagree and see different things. */
+DAFT_INLINE uint32_t differ(const pixels *a, const pixels *b, const daft_contrast *limit)
+{
+    const vm same = vi_eq(a->id, b->id);
+    if (vbits_from_mask(same) == DAFT_ALL_LANES) return 0;
+    return disagree(a, b, limit).outline;
+}
+
+void DAFT_KERNEL(daft_find_corners)(const daft_neighbours *n, const daft_contrast *limit, uint32_t out[DAFT_TILE])
+{
+    uint32_t across_above = 0;
+    for (int y = -1; y < DAFT_TILE; y++) {
+        uint32_t across = 0, down = 0;
+        for (int x = 0; x < DAFT_TILE; x += DAFT_VL) {
+            const pixels here = pixels_at(n, x, y), before = pixels_at(n, x - 1, y);
+            across |= differ(&before, &here, limit) << x;
+            if (y < 0) continue;
+            const pixels above = pixels_at(n, x, y - 1);
+            down |= differ(&above, &here, limit) << x;
+        }
+        if (y >= 0) {
+            const pixels before = pixels_at(n, -1, y), above = pixels_at(n, -1, y - 1);
+            out[y] = across_above | across | down | down << 1 | (differ(&above, &before, limit) & 1);
+        }
+        across_above = across;
+    }
+}
+
+/* Of DAFT_VL corners from (x, y) on, what the pixels around see, and their words. */
+typedef struct four {
+    vi id[4], word[4];
+} four;
+
+DAFT_INLINE four four_at(const daft_neighbours *n, int x, int y)
+{
+    four f;
+    for (int k = 0; k < 4; k++) {
+        const int row = y - 1 + (k >> 1), column = x - 1 + (k & 1);
+        f.id[k] = vi_load(n->id + row * n->id_stride + column);
+        f.word[k] = vi_load(n->pixel + 4 * (row * n->stride + column));
+    }
+    return f;
+}
+
+DAFT_INLINE vi ids_at(const daft_tile *tile, int at)
+{
+    const vi triangle = vi_load(&tile->triangle[at]) & vi_set((1 << DAFT_ID_INSTANCE) - 1);
+    return vi_load(&tile->instance[at]) << DAFT_ID_INSTANCE | triangle;
+}
+
+/* A corner has the colour of a pixel that sees the same triangle or else the same instance. Gives the lanes without. */
+DAFT_INLINE vbits match(const four *f, vi id, vi *word)
+{
+    vm exact[4], alike[4], any_exact = vi_eq(f->id[0], id), any = any_exact;
+    for (int k = 0; k < 4; k++) {
+        exact[k] = vi_eq(f->id[k], id), alike[k] = vi_eq(f->id[k] >> DAFT_ID_INSTANCE, id >> DAFT_ID_INSTANCE);
+        any_exact = vm_or(any_exact, exact[k]), any = vm_or(any, alike[k]);
+    }
+    vi color = vi_set(0), same = vi_set(0);
+    for (int k = 3; k >= 0; k--) {
+        const vm sees = vm_or(exact[k], vm_and(alike[k], vm_not(any_exact)));
+        color = vi_if_then_else(sees, f->word[k], color);
+        same |= vi_if_then_else(sees, vi_set(1 << (DAFT_CORNER_SAME + k)), vi_set(0));
+    }
+    *word = (color & vi_set(0xffffff)) | same;
+    return ~vbits_from_mask(any) & DAFT_ALL_LANES;
+}
+
+void DAFT_KERNEL(daft_match_corners)(const daft_neighbours *n, const daft_tile *tile, const uint32_t asked[DAFT_TILE],
+                                     uint32_t *words, size_t stride, uint32_t fresh[DAFT_TILE])
+{
+    for (int y = 0; y < DAFT_TILE; y++) {
+        fresh[y] = 0;
+        for (int x = 0; x < DAFT_TILE; x += DAFT_VL) {
+            const vbits lanes = (vbits)(asked[y] >> x) & DAFT_ALL_LANES;
+            if (!lanes) continue;
+            const four f = four_at(n, x, y);
+            vi word;
+            fresh[y] |= (uint32_t)(match(&f, ids_at(tile, y * DAFT_TILE_STRIDE + x), &word) & lanes) << x;
+            vi_store(&words[(size_t)y * stride + (size_t)x], word);
+        }
+    }
+}
+
+void DAFT_KERNEL(daft_mix_corners)(const daft_tile *tile, const daft_corners *corners, const uint32_t *words,
+                                   size_t stride, const uint8_t *rgba, size_t pixel_stride, daft_mixed *out)
+{
+    uint32_t count = 0;
+    for (int y = 0; y < tile->height; y++)
+        for (int x = 0; x < tile->width; x += DAFT_VL) {
+            const uint64_t upper = corners->asked[y] >> x, lower = corners->asked[y + 1] >> x;
+            const uint64_t asked[4] = {lower >> 1, lower, upper >> 1, upper}; /* pixel i of a corner's four has it */
+            const vbits inside = vbits_first_n(tile->width - x);
+            vbits some = 0;
+            if (!(((upper | lower) | (upper | lower) >> 1) & inside)) continue;
+            int32_t own_words[DAFT_VL] = {0};
+            const uint8_t *own_at = rgba + 4 * ((size_t)y * pixel_stride + (size_t)x);
+            if (inside != DAFT_ALL_LANES) memcpy(own_words, own_at, 4 * (size_t)(tile->width - x));
+            const vi own = vi_load(inside == DAFT_ALL_LANES ? (const void *)own_at : own_words);
+            vi word[4];
+            for (int k = 0; k < 4; k++) {
+                const vi at = vi_load(&words[(size_t)(y + 1 - (k >> 1)) * stride + (size_t)(x + 1 - (k & 1))]);
+                const vbits same = ~vbits_from_mask(vi_eq(at & vi_set(1 << (DAFT_CORNER_SAME + k)), vi_set(0)));
+                const vbits other = (vbits)asked[k] & inside & ~same;
+                word[k] = vi_if_then_else(vm_from_bits(other), at, own);
+                some |= other;
+            }
+            if (!some) continue;
+            vi_compress_store(&out->place[count], some, vi_iota() + vi_set(y * DAFT_TILE + x));
+            vi_compress_store(&out->word[0][count], some, own);
+            for (int k = 0; k < 4; k++) vi_compress_store(&out->word[k + 1][count], some, word[k]);
+            count += (uint32_t)__builtin_popcount(some);
+        }
+    out->count = count;
+}
+
 void DAFT_KERNEL(daft_tile_ids)(const daft_tile *tile, uint32_t *ids, size_t stride)
 {
     for (int y = 0; y < tile->height; y++, ids += stride)
         for (int x = 0; x < tile->width; x += DAFT_VL) {
             const int at = y * DAFT_TILE_STRIDE + x;
-            const vi triangle = vi_load(&tile->triangle[at]) & vi_set((1 << DAFT_ID_INSTANCE) - 1);
-            const vi id = vi_load(&tile->instance[at]) << DAFT_ID_INSTANCE | triangle;
+            const vi id = ids_at(tile, at);
             if (tile->width - x >= DAFT_VL)
                 vi_store(&ids[x], id);
             else

@@ -54,6 +54,7 @@ void daft_renderer_destroy(daft_renderer *r)
     daft_release(&allocator, r->ids);
     daft_release(&allocator, r->apron);
     daft_release(&allocator, r->smooth);
+    daft_release(&allocator, r->corners);
     daft_release(&allocator, r);
 }
 
@@ -130,7 +131,7 @@ static bool prepare_tree(daft_frame *frame, daft_error *error)
 static void choose_rows(daft_frame *frame, int apron)
 {
     const daft_snapshot *s = frame->snapshot;
-    const uint32_t tiles_x = (uint32_t)((s->width + DAFT_TILE - 1) / DAFT_TILE);
+    const uint32_t tiles_x = daft_tile_columns(s);
     int first = daft_max_i(s->first_row - apron, 0), end = daft_min_i(s->first_row + s->row_count + apron, s->height);
     frame->first_tile = tiles_x * (uint32_t)(first / DAFT_TILE);
     frame->tile_count = tiles_x * (uint32_t)((end - first + DAFT_TILE - 1) / DAFT_TILE);
@@ -145,12 +146,11 @@ static void count_work(daft_frame *frame)
     if (frame->edge_scale) frame->tiles_in_all += frame->tile_count;
 }
 
-/* Scaled coordinates of pixels are below 2^14, so very large pictures get fewer samples at edges, or none. */
+/* Scaled coordinates of pixels are below 2^14, so very large pictures have no grids. */
 static int edge_scale_of(const daft_snapshot *s)
 {
-    int scale = s->preset.edge_samples == 16 ? 4 : s->preset.edge_samples == 4 ? 2 : 0;
-    while (scale * daft_max_i(s->width, s->height) > 16384) scale /= 2;
-    return scale > 1 ? scale : 0;
+    const bool grid = s->preset.edge_samples == 16 && daft_max_i(s->width, s->height) <= 16384 / 4;
+    return grid ? 4 : s->preset.edge_samples ? 1 : 0;
 }
 
 static bool prepare_edges(daft_frame *frame, daft_error *error)
@@ -160,11 +160,16 @@ static bool prepare_edges(daft_frame *frame, daft_error *error)
     if (!frame->edge_scale) return true;
     const size_t row = (size_t)s->width, rows = (size_t)s->row_count;
     const size_t apron = s->row_count < s->height ? 2 * DAFT_TILE * 4 * row : 0;
+    const bool corners = frame->edge_scale == 1;
     choose_rows(frame, 0);
-    if (daft_grow(&r->allocator, &r->edges, &r->edge_capacity, frame->tile_count, 0, sizeof *r->edges) &&
+    const bool more = s->first_row + s->row_count < s->height;
+    frame->corner_tiles = frame->tile_count + (more ? daft_tile_columns(s) : 0);
+    if (daft_grow(&r->allocator, &r->edges, &r->edge_capacity, frame->corner_tiles, 0, sizeof *r->edges) &&
         daft_grow(&r->allocator, &r->ids, &r->id_capacity, row * (rows + 2 * DAFT_TILE), 0, sizeof *r->ids) &&
         daft_grow(&r->allocator, &r->apron, &r->apron_capacity, apron, 0, 1) &&
-        daft_grow(&r->allocator, &r->smooth, &r->smooth_capacity, 4 * row * rows, 0, 1))
+        daft_grow(&r->allocator, &r->corners, &r->corner_capacity, corners ? daft_corner_words(frame) : 0, 0,
+                  sizeof *r->corners) &&
+        daft_grow(&r->allocator, &r->smooth, &r->smooth_capacity, corners ? 0 : 4 * row * rows, 0, 1))
         return true;
     return daft_fail_memory(error, "the pixels at edges");
 }
@@ -172,10 +177,12 @@ static bool prepare_edges(daft_frame *frame, daft_error *error)
 static bool render_edges(daft_frame *frame, daft_error *error)
 {
     const int threads = frame->renderer->threads;
+    const bool corners = frame->edge_scale == 1;
     choose_rows(frame, 0);
-    daft_parallel_for(threads, frame->tile_count, daft_refine_tile, frame);
+    daft_parallel_for(threads, corners ? frame->corner_tiles : frame->tile_count,
+                      corners ? daft_corners_tile : daft_refine_tile, frame);
     if (atomic_load(&frame->cancelled)) return daft_fail(error, DAFT_ERROR_CANCELLED, "rendering was stopped");
-    daft_parallel_for(threads, frame->tile_count, daft_show_edges, frame);
+    daft_parallel_for(threads, frame->tile_count, corners ? daft_mix_tile : daft_show_edges, frame);
     return true;
 }
 
@@ -261,7 +268,8 @@ static void count_bytes(const daft_frame *frame, daft_counters *c)
     if (frame->snapshot->preset.samples > 1) e[DAFT_EFFECT_RESOLVE].bytes = r->sum_capacity * sizeof *r->sum;
     if (e[DAFT_EFFECT_ANTIALIASING].ran)
         e[DAFT_EFFECT_ANTIALIASING].bytes = r->edge_capacity * sizeof *r->edges + r->id_capacity * sizeof *r->ids +
-                                            r->apron_capacity + r->smooth_capacity;
+                                            r->apron_capacity + r->smooth_capacity +
+                                            r->corner_capacity * sizeof *r->corners;
     e[DAFT_EFFECT_SURFACE].bytes = (size_t)r->threads * sizeof *r->scratch;
 }
 

@@ -29,6 +29,7 @@ typedef struct daft_scratch {
     daft_lanes3 *passed;       /* of the running light's light; NULL until some shadow lets light through */
     daft_ray_batch *refracted; /* waiting, of each depth; NULL until something is seen that light may pass */
     uint32_t around[2][DAFT_TILE + 2][DAFT_TILE + 2]; /* a tile at the picture's border: its pixels and ids */
+    daft_mixed mixed;                                 /* the tile's pixels that their corners change */
     daft_lanes3 sum;             /* of the tile's pixels that get more samples: their linear light, */
     uint32_t taken[DAFT_BATCH];  /* and how many they are */
     daft_seen_list fresh;        /* samples that are to be shaded, */
@@ -84,7 +85,8 @@ struct daft_renderer {
     uint32_t *ids;     /* daft_pixel_id of each pixel */
     uint8_t *apron;    /* the pixels above and below the band */
     uint8_t *smooth;   /* the band's pixels with more samples, until all are drawn */
-    size_t edge_capacity, id_capacity, apron_capacity, smooth_capacity;
+    uint32_t *corners; /* words of the band's corners (daft_mixed); daft_edges.outline says which there are */
+    size_t edge_capacity, id_capacity, apron_capacity, smooth_capacity, corner_capacity;
 };
 
 /* One sample of one frame, as its tiles see it. */
@@ -100,7 +102,10 @@ typedef struct daft_frame {
     uint32_t first_tile, tile_count; /* of the running pass */
     uint32_t band_tile;              /* the first one that is wanted */
     uint32_t tiles_in_all;           /* of all passes */
-    int edge_scale; /* pixels that get more samples have them on a grid of so many rows and columns; 0: none do */
+    /* Pixels that get more samples have them in their corners (1) or on a grid of so many rows and columns; 0: none do.
+     */
+    int edge_scale;
+    uint32_t corner_tiles; /* those of the band and of the row below, whose corners it shares */
     atomic_uint tiles_done;
     atomic_bool cancelled;
 } daft_frame;
@@ -139,6 +144,14 @@ static inline uint32_t *daft_frame_ids(const daft_frame *frame, int y)
     const daft_snapshot *s = frame->snapshot;
     return frame->renderer->ids + (size_t)(y + DAFT_TILE - s->first_row) * (size_t)s->width;
 }
+static inline uint32_t daft_tile_columns(const daft_snapshot *s)
+{
+    return (uint32_t)((s->width + DAFT_TILE - 1) / DAFT_TILE);
+}
+/* tile/corners.c: tasks. The first draws corners, for so many words; the second mixes pixels with them. */
+size_t daft_corner_words(const daft_frame *frame);
+void daft_corners_tile(void *context, uint32_t index, uint32_t worker);
+void daft_mix_tile(void *context, uint32_t index, uint32_t worker);
 /* tile/edges.c: tasks. The first draws what gets more samples, the second, when all tiles are done, shows it. */
 void daft_refine_tile(void *context, uint32_t index, uint32_t worker);
 void daft_show_edges(void *context, uint32_t index, uint32_t worker);

@@ -89,6 +89,20 @@ typedef struct daft_edges {
     uint32_t outline[DAFT_TILE], inner[DAFT_TILE];
     bool sky; /* no pixel of the tile sees anything else */
 } daft_edges;
+/* Corners of a tile's pixels, bit x of row y: the upper left one of pixel (x, y) and, where pixels are mixed with their
+ * corners, one more of each row and row. */
+typedef struct daft_corners {
+    uint64_t asked[DAFT_TILE + 1];
+} daft_corners;
+/* A corner's colour, RGBA; in place of A, bit 24 + i where pixel i of the four around it (upper left, upper right,
+ * lower left, lower right) sees the same, and has its own colour there. */
+enum { DAFT_CORNER_SAME = 24 };
+/* Pixels that corners change: each one's place in the tile, its word, and those of its corners in the same order. */
+typedef struct daft_mixed {
+    uint32_t count;
+    uint32_t place[DAFT_BATCH_ROOM], word[5][DAFT_BATCH_ROOM];
+} daft_mixed;
+
 /* By more than so many steps of a colour's byte, up to 8191: if another instance is seen, another triangle of the same,
  * or the same triangle. */
 typedef struct daft_contrast {
@@ -120,6 +134,15 @@ typedef struct daft_render_kernels {
     /* The ids of a tile's pixels, rows `stride` apart. */
     void (*ids)(const daft_tile *tile, uint32_t *ids, size_t stride);
     void (*contrast)(const daft_neighbours *neighbours, const daft_contrast *limit, daft_edges *out);
+    /* The corners of which two of the four pixels around, side by side, disagree and see different things. */
+    void (*corners)(const daft_neighbours *neighbours, const daft_contrast *limit, uint32_t out[DAFT_TILE]);
+    /* The words of the corners that a tile's rays were asked for, rows `stride` apart, room for whole rows; bits of
+     * those that see what none of their pixels does. */
+    void (*match_corners)(const daft_neighbours *neighbours, const daft_tile *tile, const uint32_t asked[DAFT_TILE],
+                          uint32_t *words, size_t stride, uint32_t fresh[DAFT_TILE]);
+    /* `words` as above; rgba: the tile's pixels, rows `pixel_stride` pixels apart. */
+    void (*mix_corners)(const daft_tile *tile, const daft_corners *corners, const uint32_t *words, size_t stride,
+                        const uint8_t *rgba, size_t pixel_stride, daft_mixed *out);
 } daft_render_kernels;
 
 DAFT_KERNEL_DECLARE(daft_render_kernels, daft_render);
@@ -133,6 +156,13 @@ void DAFT_KERNEL(daft_hit_points)(const daft_snapshot *snapshot, const daft_ray_
                                   const daft_hit *hits, uint32_t count, daft_facets *facets, daft_batch *points);
 void DAFT_KERNEL(daft_tile_ids)(const daft_tile *tile, uint32_t *ids, size_t stride);
 void DAFT_KERNEL(daft_find_contrast)(const daft_neighbours *neighbours, const daft_contrast *limit, daft_edges *out);
+void DAFT_KERNEL(daft_find_corners)(const daft_neighbours *neighbours, const daft_contrast *limit,
+                                    uint32_t out[DAFT_TILE]);
+void DAFT_KERNEL(daft_match_corners)(const daft_neighbours *neighbours, const daft_tile *tile,
+                                     const uint32_t asked[DAFT_TILE], uint32_t *words, size_t stride,
+                                     uint32_t fresh[DAFT_TILE]);
+void DAFT_KERNEL(daft_mix_corners)(const daft_tile *tile, const daft_corners *corners, const uint32_t *words,
+                                   size_t stride, const uint8_t *rgba, size_t pixel_stride, daft_mixed *out);
 #endif
 
 #endif

@@ -172,4 +172,7 @@ const daft_render_kernels DAFT_KERNEL(daft_render) = {.surfaces = DAFT_KERNEL(da
                                                       .hit_points = DAFT_KERNEL(daft_hit_points),
                                                       .spawn = spawn,
                                                       .ids = DAFT_KERNEL(daft_tile_ids),
-                                                      .contrast = DAFT_KERNEL(daft_find_contrast)};
+                                                      .contrast = DAFT_KERNEL(daft_find_contrast),
+                                                      .corners = DAFT_KERNEL(daft_find_corners),
+                                                      .match_corners = DAFT_KERNEL(daft_match_corners),
+                                                      .mix_corners = DAFT_KERNEL(daft_mix_corners)};

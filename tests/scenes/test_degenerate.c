@@ -41,7 +41,10 @@ static void radius_tiny(stage *s) { add(s, sphere(BESIDE, 1e-30f)); }
 static void radius_denormal(stage *s) { add(s, sphere(BESIDE, FLT_TRUE_MIN)); }
 static void box_tiny(stage *s) { add(s, box(BESIDE, daft_v3(1e-30f, 1e-30f, 1e-30f))); }
 static void box_denormal(stage *s) { add(s, box(BESIDE, daft_v3(1e-44f, 1e-44f, 1e-44f))); }
-static void box_thread(stage *s) { add(s, box(BESIDE, daft_v3(1e-30f, 3, 1e-30f))); }
+static void box_thread(stage *s) /* between the pixels' middles and their corners: rays straight ahead would hit it */
+{
+    add(s, box(daft_dv3(BESIDE.x, BESIDE.y, 0.01), daft_v3(1e-30f, 3, 1e-30f)));
+}
 static void far_behind(stage *s) { add(s, sphere(daft_dv3(-1e30, 0, 0), 1)); }
 static void beyond_floats(stage *s) { add(s, sphere(daft_dv3(-1e300, 1e300, 0), 1)); }
 static void empty_mesh(stage *s) { add(s, thing(mesh_of(s, NULL, 0, NULL, 0), BESIDE)); }

@@ -31,38 +31,6 @@ typedef struct refinement {
 
 static bool bit(const uint32_t rows[DAFT_TILE], int x, int y) { return rows[y] >> x & 1; }
 
-/* ---- neighbours -------------------------------------------------------------------------------------------------- */
-
-/* A copy, for a tile at the border of the picture or the band: beyond the picture its last pixels again. */
-static void gather(const daft_frame *frame, const daft_tile *tile, uint32_t around[2][DAFT_TILE + 2][DAFT_TILE + 2])
-{
-    const int last_x = frame->snapshot->width - 1, last_y = frame->snapshot->height - 1;
-    const int first = tile->x > 0 ? -1 : 0, end = daft_min_i(DAFT_TILE + 1, last_x + 1 - tile->x);
-    for (int y = -1; y <= DAFT_TILE; y++) {
-        const int row = daft_min_i(daft_max_i(tile->y + y, 0), last_y), x = tile->x + first;
-        const void *from[2] = {daft_frame_row(frame, row) + 4 * (size_t)x, daft_frame_ids(frame, row) + x};
-        for (int k = 0; k < 2; k++) {
-            uint32_t *to = around[k][y + 1];
-            memcpy(&to[first + 1], from[k], 4 * (size_t)(end - first));
-            if (first == 0) to[0] = to[1];
-            for (int column = end; column <= DAFT_TILE; column++) to[column + 1] = to[end];
-        }
-    }
-}
-
-static daft_neighbours neighbours_of(const tile_job *j)
-{
-    const daft_tile *t = &j->s->tile;
-    const daft_snapshot *s = j->snapshot;
-    uint32_t(*around)[DAFT_TILE + 2][DAFT_TILE + 2] = j->s->around;
-    if (t->x > 0 && t->x + DAFT_TILE < s->width && t->y > s->first_row &&
-        t->y + DAFT_TILE < s->first_row + s->row_count)
-        return (daft_neighbours){daft_frame_row(j->frame, t->y) + 4 * (size_t)t->x,
-                                 daft_frame_ids(j->frame, t->y) + t->x, s->width, s->width};
-    gather(j->frame, t, around);
-    return (daft_neighbours){(const uint8_t *)&around[0][1][1], &around[1][1][1], DAFT_TILE + 2, DAFT_TILE + 2};
-}
-
 /* Whether the tile and those beside it see nothing but the sky. */
 static bool all_sky(const tile_job *j, uint32_t index)
 {
@@ -74,11 +42,10 @@ static bool all_sky(const tile_job *j, uint32_t index)
 
 static bool find_edges(tile_job *j, daft_neighbours *around, daft_edges *edges)
 {
-    daft_tile *tile = &j->s->tile;
-    daft_tile_place(&j->r->raster, j->number, NULL, tile);
+    const daft_tile *tile = &j->s->tile;
     const uint32_t columns = tile->width == DAFT_TILE ? UINT32_MAX : (1u << tile->width) - 1;
     uint32_t any = 0;
-    *around = neighbours_of(j);
+    *around = daft_tile_neighbours(j);
     j->r->kernels->contrast(around, &LIMIT, edges);
     for (int y = 0; y < DAFT_TILE; y++) {
         edges->outline[y] &= y < tile->height ? columns : 0;
@@ -144,35 +111,14 @@ static void add(daft_scratch *s, uint32_t at, float x, float y, float z)
 
 static void shade_fresh(refinement *r)
 {
-    tile_job *j = r->j;
-    daft_scratch *s = j->s;
-    if (!s->fresh.count) return;
-    daft_tile_surfaces(j, &r->pencil, &s->fresh);
-    daft_tile_shade(j);
+    daft_scratch *s = r->j->s;
+    daft_fresh_shade(r->j, &r->pencil);
     for (uint32_t i = 0; i < s->fresh.count; i++) {
         const uint32_t from = s->fresh.pixel[i];
-        add(s, s->wanted[i], j->color->x[from], j->color->y[from], j->color->z[from]);
+        const daft_lanes3 *color = r->j->color;
+        add(s, s->wanted[i], color->x[from], color->y[from], color->z[from]);
     }
     s->fresh.count = 0;
-}
-
-/* Four samples after the other share a block of points, by which lights are looked up. */
-static uint32_t place_in_batch(uint32_t i)
-{
-    const uint32_t block = i / 16, row = i / 4 % 4, blocks = DAFT_TILE / 4;
-    return (block / blocks * 4 + row) * DAFT_TILE + block % blocks * 4 + i % 4;
-}
-
-static void add_fresh(refinement *r, uint32_t place, uint32_t at)
-{
-    daft_scratch *s = r->j->s;
-    daft_seen_list *fresh = &s->fresh;
-    const uint32_t i = fresh->count++;
-    const int x = s->tile.x + (int)(place % DAFT_TILE_STRIDE), y = s->tile.y + (int)(place / DAFT_TILE_STRIDE);
-    const daft_vec3 ray = daft_pencil_ray(&r->pencil, x, y);
-    fresh->x[i] = ray.x, fresh->y[i] = ray.y;
-    fresh->instance[i] = s->tile.instance[place], fresh->triangle[i] = s->tile.triangle[place];
-    fresh->pixel[i] = place_in_batch(i), s->wanted[i] = at;
 }
 
 static void add_known(refinement *r, int x, int y, const uint32_t counts[9])
@@ -205,7 +151,7 @@ static void take(refinement *r, int x, int y, uint32_t rays)
         if (known >= 0)
             counts[known]++;
         else
-            add_fresh(r, place, (uint32_t)((r->top + y) * DAFT_TILE + r->left + x));
+            daft_fresh_add(r->j, &r->pencil, place, (uint32_t)((r->top + y) * DAFT_TILE + r->left + x));
     }
     add_known(r, r->left + x, r->top + y, counts);
 }
@@ -259,23 +205,11 @@ static void write_row(const refinement *r, const daft_tile *tile, int y)
         memcpy(to + 4 * __builtin_ctz(left), rgba + 4 * count, 4);
 }
 
-static tile_job job_of(daft_frame *frame, uint32_t index, uint32_t worker)
-{
-    return (tile_job){.frame = frame,
-                      .r = frame->renderer,
-                      .snapshot = frame->snapshot,
-                      .s = &frame->renderer->scratch[worker],
-                      .number = frame->first_tile + index,
-                      .worker = worker,
-                      .refines = true,
-                      .since = daft_clock_ticks()};
-}
-
 void daft_refine_tile(void *context, uint32_t index, uint32_t worker)
 {
     daft_frame *frame = context;
     if (atomic_load_explicit(&frame->cancelled, memory_order_relaxed)) return;
-    tile_job j = job_of(frame, index, worker);
+    tile_job j = daft_tile_again(frame, index, worker);
     refinement r = {.j = &j, .scale = frame->edge_scale, .span = DAFT_TILE / frame->edge_scale};
     r.part.scale = r.scale, r.pencil = daft_part_pencil(&frame->pencil, &r.part);
     if (all_sky(&j, index)) {
@@ -299,10 +233,9 @@ void daft_refine_tile(void *context, uint32_t index, uint32_t worker)
 void daft_show_edges(void *context, uint32_t index, uint32_t worker)
 {
     daft_frame *frame = context;
-    tile_job j = job_of(frame, index, worker);
+    tile_job j = daft_tile_again(frame, index, worker);
     const daft_edges *edges = &j.r->edges[index];
     const size_t width = (size_t)j.snapshot->width;
-    daft_tile_place(&j.r->raster, j.number, NULL, &j.s->tile);
     for (int y = 0; y < DAFT_TILE; y++)
         for (uint32_t left = edges->outline[y] | edges->inner[y]; left; left &= left - 1) {
             const size_t row = (size_t)(j.s->tile.y + y), x = (size_t)(j.s->tile.x + __builtin_ctz(left));

@@ -61,6 +61,13 @@ void daft_tile_resolve(tile_job *j);
 /* The bytes of a tile that sees nothing but a sky of one colour. */
 bool daft_tile_is_plain(const tile_job *j);
 void daft_tile_fill_plain(tile_job *j);
+/* around.c: a tile of a picture that is drawn; its pixels and those around it; and single samples of it that are to be
+ * shaded: the ray at a place in the tile, and the number under which its light is wanted. Their light is in j->color,
+ * at s->fresh.pixel. */
+tile_job daft_tile_again(daft_frame *frame, uint32_t index, uint32_t worker);
+daft_neighbours daft_tile_neighbours(const tile_job *j);
+void daft_fresh_add(tile_job *j, const daft_pencil *pencil, uint32_t place, uint32_t wanted);
+void daft_fresh_shade(tile_job *j, const daft_pencil *pencil);
 /* aov.c: what the caller asked for beside colour, of the first sample. */
 void daft_tile_aov(tile_job *j);
 

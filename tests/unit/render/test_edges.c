@@ -153,6 +153,14 @@ static void nothing_else_changes(void **unused)
             changed += !same;
         }
     assert_true(changed > 500);
+    s.view.edge_samples = 4, draw(&s, with);
+    changed = 0;
+    for (int i = 0; i < PIXELS; i++) {
+        for (int c = 0; c < 3; c++) /* half of a pixel is its own middle */
+            assert_true(fabs(linear(with[4 * i + c]) - 0.5 * linear(without[4 * i + c])) < 0.5 + 1.0 / 128);
+        changed += memcmp(&without[4 * i], &with[4 * i], 4) != 0;
+    }
+    assert_true(changed > 300);
     stage_drop(&s);
     stage_make(&s, NULL);
     draw(&s, NULL);

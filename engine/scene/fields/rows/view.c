@@ -45,7 +45,8 @@ static const daft_field VIEW_ROWS[] = {
                     .doc = "How much work a picture may be"),
     VIEW(samples, FROM(0, 16), .doc = "Samples of a pixel: 1, 4 or 16; 0: the quality's"),
     VIEW(edge_samples, FROM(-1, 16), .initial = {-1},
-         .doc = "More samples where neighbours differ: 0; 4, at outlines and creases; 16, at edges of shadows and in "
+         .doc = "More samples where neighbours differ: 0; 4, the corners, at outlines and creases; 16, at edges of "
+                "shadows and in "
                 "mirrors, "
                 "too; -1: the quality's, or 0 where samples is set"),
     VIEW(mirror_depth, FROM(-1, 32), .initial = {-1}, .doc = "Mirror bounces followed; -1: the quality's"),
