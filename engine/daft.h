@@ -747,13 +747,29 @@ typedef enum daft_intersection {
 DAFT_API bool daft_intersection_parse(const char *name, daft_intersection *out);
 DAFT_API const char *daft_intersection_name(daft_intersection intersection);
 
-/* What a pixel's first sample saw. All arrays are the caller's, width·height long, and may be NULL. */
+/* What a pixel's first sample saw, but for color and cost. All arrays are the caller's, width·height long, and may be
+ * NULL. */
 typedef struct daft_aov {
     float *depth;        /* distance along the ray, metres; infinity where the sky is */
     daft_vec3 *normal;   /* shading normal, world axes; zero where the sky is */
     daft_entity *entity; /* none where the sky is */
     uint32_t *triangle;  /* of the entity's mesh; 0 for spheres */
+    daft_vec3 *color;    /* linear light, not limited to 1: the mean of all samples but those at edges */
+    daft_vec3 *albedo;   /* the surface's own colour, linear: diffuse times texture; zero where the sky is */
+    /* How far, in pixels to the right and down, what is seen has moved since the last picture of daft_view.history;
+     * zero without one, and where that picture had it behind the camera. */
+    daft_vec2 *motion;
+    uint32_t *cost; /* rays that were cast for the pixel: camera, edges, shadows, mirrors, glass */
 } daft_aov;
+
+/* What a series of pictures of a scene remembers of the last one: where the camera and entities were. */
+typedef struct daft_history daft_history;
+
+/* Of nothing yet. Owned by the caller, who destroys it before the engine. NULL: see the error. */
+DAFT_API daft_history *daft_history_create(daft_engine *engine, daft_error *error);
+DAFT_API void daft_history_destroy(daft_history *history); /* NULL is fine */
+/* After a cut: the next picture has none before it. */
+DAFT_API void daft_history_forget(daft_history *history);
 
 /* Parts of the shading that a picture can go without, to see the others: bits of daft_view.without. Shadows and mirrors
  * have knobs of their own. */
@@ -785,6 +801,7 @@ typedef struct daft_view {
     int row_count;    /* of the band; a multiple of 32 or up to the last row; 0: from first_row to the last */
     uint32_t without; /* DAFT_WITHOUT_…; 0: the whole picture */
     daft_aov aov;
+    daft_history *history;                    /* drawing a whole picture, no band, makes it the last one; NULL: none */
     bool (*progress)(void *user, float done); /* done 0..1; return false to stop; called from the calling thread */
     void *progress_user;
 } daft_view;

@@ -49,13 +49,20 @@ typedef struct daft_snapshot {
     uint32_t light_count;
     daft_vec3 ambient;
     daft_sky sky;
+    /* From frame space to the view space of the picture before, of what each instance shows and, last, of the sky's
+     * directions; NULL: there was none. */
+    const daft_affine *before;
+    float before_focal;
 } daft_snapshot;
 
-/* Arrays of width·height or NULL; ids index the snapshot's instances, UINT32_MAX for the sky. */
+/* Arrays of width·height or NULL; ids index the snapshot's instances, UINT32_MAX for the sky. See daft_aov. */
 typedef struct daft_frame_aov {
     float *depth;
     daft_vec3 *normal;
     uint32_t *instance, *triangle;
+    daft_vec3 *color, *albedo;
+    daft_vec2 *motion;
+    uint32_t *cost;
 } daft_frame_aov;
 
 typedef struct daft_frame_target {

@@ -129,6 +129,7 @@ daft_scene_frame *daft_frame_take(daft_scene *scene, const daft_view *view, int 
     daft_scene_frame *f = frame_pick(scene, view, error);
     if (!f || !frame_place(scene, f, view, error) || !daft_snapshot_fill(scene, view, width, height, f, error))
         return NULL;
+    if (!daft_history_take(view->history, scene, view, f, error)) return NULL;
     f->counters = scene->counters;
     f->taken = true;
     f->number = ++scene->frames_taken;

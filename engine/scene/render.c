@@ -68,7 +68,14 @@ bool daft_render(daft_scene *scene, const daft_view *view, daft_image *target, d
     if (!frame) return false;
     daft_frame_target into = {
         .pixels = target->pixels,
-        .aov = {view->aov.depth, view->aov.normal, (uint32_t *)view->aov.entity, view->aov.triangle},
+        .aov = {.depth = view->aov.depth,
+                .normal = view->aov.normal,
+                .instance = (uint32_t *)view->aov.entity,
+                .triangle = view->aov.triangle,
+                .color = view->aov.color,
+                .albedo = view->aov.albedo,
+                .motion = view->aov.motion,
+                .cost = view->aov.cost},
         .progress = view->progress ? call_progress : NULL,
         .progress_user = &(watched){view, engine},
     };

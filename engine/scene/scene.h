@@ -390,6 +390,13 @@ void daft_retire(daft_scene *scene, daft_retired *item, void (*free)(const daft_
 bool daft_frame_is_taken(const daft_scene *scene);
 void daft_frames_free(daft_scene *scene);
 
+/* ---- history.c ---- */
+
+/* Tells the frame, whose snapshot is full, where things were in the picture before, and the history that they are
+ * here. NULL: no history. */
+bool daft_history_take(daft_history *history, const daft_scene *scene, const daft_view *view, daft_scene_frame *frame,
+                       daft_error *error);
+
 /* ---- snapshot.c, instances.c ---- */
 
 /* The instances of visible entities in entity order, in a frame around `origin`. Memory from the arena; textures and

@@ -2,7 +2,7 @@
 #include "cli/commands.h"
 
 #include "accuracy/knobs.h"
-#include "cli/aov.h"
+#include "channels/channels.h"
 #include "cli/cli.h"
 #include "cli/terminal.h"
 #include "common/progress.h"
@@ -13,6 +13,7 @@
 #include "job/shot.h"
 
 #include <stdio.h>
+#include <math.h>
 #include <stdlib.h>
 
 static const cli_command COMMAND = {
@@ -22,7 +23,9 @@ static const cli_command COMMAND = {
     "took a snapshot "
     "of\n"
     "(.json): the same picture, byte for byte, unless options say otherwise.",
-    "The extension of the picture chooses its format: .png or .ppm. With -o a.png, --aov writes a.depth.pfm (metres "
+    "The extension of the picture chooses its format: .png, .ppm or .exr, which holds linear light and all channels "
+    "that "
+    "--aov names, as layers. With -o a.png, --aov writes a.depth.pfm (metres "
     "along\n"
     "the ray), a.normal.pfm (world axes), a.id.png and a.triangle.png (numbers: red + 256 green + 65536 blue).",
     1,
@@ -40,8 +43,11 @@ typedef struct render_options {
     bool camera_given, explain, term;
     terminal_kind terminal;
     const char *aov_list;
-    aov_set aov;
-    const shot *again; /* the snapshot to repeat, or NULL */
+    channel_set aov;
+    double at; /* seconds along the scene's path; below 0: not asked for */
+    daft_engine *engine;
+    daft_history *history; /* of the picture a tick before */
+    const shot *again;     /* the snapshot to repeat, or NULL */
 } render_options;
 
 static bool choose_camera(const daft_scene *scene, const render_options *o, daft_camera *camera, daft_error *error)
@@ -57,6 +63,28 @@ static bool choose_camera(const daft_scene *scene, const render_options *o, daft
     }
     return fail(error, DAFT_ERROR_ARGUMENT, "--camera %ld: %s has %u camera%s, counted from 0", o->camera, o->scene,
                 count, count == 1 ? "" : "s");
+}
+
+/* The camera on the scene's path, and a picture of one pixel a tick before it, so that there is motion. */
+static bool go_along_path(daft_scene *scene, const render_options *o, daft_view *view, daft_error *error)
+{
+    const uint32_t count = daft_scene_path_count(scene);
+    if (count == 0)
+        return fail(error, DAFT_ERROR_ARGUMENT, "--at: %s has no path; daft view adds one (V, then C)", o->scene);
+    daft_checkpoint *points = calloc(count, sizeof *points);
+    if (!points) return fail(error, DAFT_ERROR_MEMORY, "out of memory for the camera path");
+    bool good = true;
+    for (uint32_t i = 0; good && i < count; i++) good = daft_scene_get_checkpoint(scene, i, &points[i], error);
+    daft_view before = *view;
+    before.quality = DAFT_QUALITY_DRAFT, before.aov = (daft_aov){0};
+    daft_image *pixel = good ? daft_image_create(o->engine, 1, 1, error) : NULL;
+    good = pixel &&
+           daft_path_camera(points, count, DAFT_PACE_TIMED, fmax(0, o->at - 1.0 / 60), &before.camera, error) &&
+           daft_render(scene, &before, pixel, error) &&
+           daft_path_camera(points, count, DAFT_PACE_TIMED, o->at, &view->camera, error);
+    daft_image_destroy(pixel);
+    free(points);
+    return good;
 }
 
 typedef struct progress_state {
@@ -85,6 +113,8 @@ static bool render(daft_scene *scene, const render_options *o, daft_image *image
     if (o->again && !o->camera_given) view.camera = o->again->view.camera;
     view.quality = o->quality;
     view.aov = o->aov.arrays;
+    view.history = o->history;
+    if (o->at >= 0 && !go_along_path(scene, o, &view, error)) return false;
     progress_state progress = {.frames = o->repeat};
     progress_begin(&progress.bar, "rendering");
     view.progress = show_progress;
@@ -107,7 +137,11 @@ static bool write(const render_options *o, daft_engine *engine, daft_image *imag
                   frame_times *times, daft_error *error)
 {
     if (o->all && many_rank(o->all) > 0) return true;
-    bool good = !o->out || (daft_image_write(image, o->out, error) && aov_write(&o->aov, engine, o->out, error));
+    bool good = true;
+    if (o->out && has_extension(o->out, ".exr"))
+        good = channels_write_exr(&o->aov, o->out, error);
+    else if (o->out)
+        good = daft_image_write(image, o->out, error) && channels_write(&o->aov, engine, o->out, error);
     if (good && o->term)
         terminal_show(o->terminal, daft_image_pixels(image), daft_image_width(image), daft_image_height(image));
     if (good && o->explain) stats_print_plan(stdout, daft_scene_counters(scene));
@@ -119,12 +153,16 @@ static bool render_and_write(daft_engine *engine, render_options *o, daft_error 
 {
     frame_times times = {0};
     daft_image *image = daft_image_create(engine, o->size.width, o->size.height, error);
-    daft_scene *scene =
-        image && aov_allocate(&o->aov, o->size.width, o->size.height, error) ? daft_scene_create(engine, error) : NULL;
-    bool good = scene && render(scene, o, image, &times, error) && write(o, engine, image, scene, &times, error);
+    daft_scene *scene = image && channels_allocate(&o->aov, o->size.width, o->size.height, error)
+                            ? daft_scene_create(engine, error)
+                            : NULL;
+    o->engine = engine;
+    o->history = scene ? daft_history_create(engine, error) : NULL;
+    bool good = o->history && render(scene, o, image, &times, error) && write(o, engine, image, scene, &times, error);
     daft_scene_destroy(scene);
+    daft_history_destroy(o->history);
     daft_image_destroy(image);
-    aov_free(&o->aov);
+    channels_free(&o->aov);
     frame_times_free(&times);
     return good;
 }
@@ -147,13 +185,13 @@ static void choose_size(render_options *o)
     o->size = o->out ? (cli_size){1280, 720} : terminal_size(o->terminal);
 }
 
-static const render_options DEFAULTS = {.quality = DAFT_QUALITY_GAME, .camera = -1, .repeat = 1};
+static const render_options DEFAULTS = {.quality = DAFT_QUALITY_GAME, .camera = -1, .repeat = 1, .at = -1};
 
 /* Options that the command line does not name stay as they are. */
 static cli_outcome parse(render_options *o, int argc, char **argv)
 {
     const cli_option options[] = {
-        {"output", 'o', CLI_TEXT, "IMG", &o->out, 0, 0, "the picture to write: .png or .ppm (required)"},
+        {"output", 'o', CLI_TEXT, "IMG", &o->out, 0, 0, "the picture to write: .png, .ppm or .exr (required)"},
         {"size", 0, CLI_SIZE, "WxH", &o->size, 1, 16384, "size of the picture (1280x720)"},
         {"quality", 'q', CLI_QUALITY, "Q", &o->quality, 0, 0, "draft, game (default), high or reference"},
         {"knobs", 'k', CLI_TEXT, "LIST", &o->knob_list, 0, 0,
@@ -169,7 +207,10 @@ static cli_outcome parse(render_options *o, int argc, char **argv)
         {"memory-limit", 0, CLI_BYTES, "BYTES", &o->memory, 1000000, 0,
          "what the scene and its picture may hold: 500MB, 2GB (no limit)"},
         {"aov", 0, CLI_TEXT, "LIST", &o->aov_list, 0, 0,
-         "also write these channels of each pixel beside IMG: depth,normal,id,triangle"},
+         "also write these channels of each pixel beside IMG, or into it if it is an .exr: depth, normal, id, "
+         "triangle, "
+         "color (linear light), albedo, motion (pixels in the tick before --at), cost (rays)"},
+        {"at", 0, CLI_NUMBER, "SECONDS", &o->at, 0, 86400, "the camera on the scene's path at this time"},
         {"term", 0, CLI_FLAG, NULL, &o->term, 0, 0,
          "show the picture in this terminal, as it can: kitty's protocol, sixels, half blocks"},
         {"explain", 0, CLI_FLAG, NULL, &o->explain, 0, 0,
@@ -209,14 +250,20 @@ int command_render(int argc, char **argv)
     if (has_extension(o.scene, ".json") && !take_snapshot(&o, &again, argc, argv, &wrong)) return report(&wrong);
     if (!o.out && !o.term) return cli_refuse("render", "-o IMG is missing, or --term");
     if (!o.out && o.aov_list) return cli_refuse("render", "--aov: the picture's name, -o IMG, is missing");
-    if (o.out && !has_extension(o.out, ".png") && !has_extension(o.out, ".ppm"))
-        return cli_refuse("render", "-o: a name that ends in .png or .ppm expected, got '%s'", o.out);
+    const bool exr = o.out && has_extension(o.out, ".exr");
+    if (o.out && !exr && !has_extension(o.out, ".png") && !has_extension(o.out, ".ppm"))
+        return cli_refuse("render", "-o: a name that ends in .png, .ppm or .exr expected, got '%s'", o.out);
     if (!has_extension(o.scene, ".scene") && !showcase_is_mesh(o.scene) && path_is_file(o.scene))
         return cli_refuse("render", "'%s' is neither a .scene nor a mesh (.obj, .gltf, .fbx, ...)", o.scene);
     choose_size(&o);
     if (o.knob_list && !knobs_parse(o.knob_list, &o.knobs, &wrong)) return cli_refuse("render", "%s", wrong.message);
     if (o.knobs.scale != 1) return cli_refuse("render", "knob scale: of what a window shows; here --size says it");
-    if (o.aov_list && !aov_parse(o.aov_list, &o.aov)) return STATUS_BAD_USAGE;
+    if (o.aov_list && !channels_parse(o.aov_list, &o.aov, &wrong)) return cli_refuse("render", "%s", wrong.message);
+    if (o.aov.wanted[CHANNEL_MOTION] && o.at < 0)
+        return cli_refuse("render",
+                          "--aov motion: nothing moves in one picture; --at SECONDS puts it on the scene's path");
+    if (o.at >= 0 && (o.camera >= 0 || o.again)) return cli_refuse("render", "--at: the camera is that of the path");
+    if (exr) o.aov.wanted[CHANNEL_COLOR] = true;
     o.camera_given = o.camera >= 0;
     if (!o.camera_given) o.camera = 0;
     daft_engine_def def = daft_default_engine_def();

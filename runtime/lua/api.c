@@ -9,11 +9,12 @@
 #include <stdio.h>
 #include <string.h>
 
-static const api_area *const AREAS[] = {&api_entity, &api_body,   &api_joint, &api_character, &api_query, &api_material,
-                                        &api_light,  &api_camera, &api_input, &api_hud,       &api_time,  &api_world};
+static const api_area *const AREAS[] = {&api_entity,   &api_body,  &api_joint,  &api_character, &api_query,
+                                        &api_material, &api_light, &api_camera, &api_input,     &api_hud,
+                                        &api_time,     &api_world, &api_picture};
 
 static const char *const CALLBACKS[] = {"load", "update", "draw", "keypressed", "keyreleased"};
-static const char *const TYPES[API_TYPES] = {"entity", "light", "material", "mesh", "joint", "character"};
+static const char *const TYPES[API_TYPES] = {"entity", "light", "material", "mesh", "joint", "character", "picture"};
 
 /* Registry keys: the addresses of these. */
 static const char DAFT_KEY, ENTITIES_KEY;
@@ -299,6 +300,10 @@ static void register_type(lua_State *L, api_type type)
         lua_pushcclosure(L, api_release_handle, 1);
         lua_setfield(L, -2, "__gc");
     }
+    if (type == API_PICTURE) {
+        lua_pushcfunction(L, api_release_picture);
+        lua_setfield(L, -2, "__gc");
+    }
     lua_newtable(L);
     for (size_t area = 0; area < COUNT_OF(AREAS); area++) {
         for (size_t i = 0; i < AREAS[area]->count; i++) {
@@ -342,9 +347,14 @@ api_handle *api_new_handle(lua_State *L, api_type type, uint32_t id)
 {
     api_handle *handle = lua_newuserdatauv(L, sizeof *handle, type == API_ENTITY ? 1 : 0);
     *handle = (api_handle){.id = id, .visible = true};
+    api_set_type(L, type);
+    return handle;
+}
+
+void api_set_type(lua_State *L, api_type type)
+{
     lua_rawgetp(L, LUA_REGISTRYINDEX, &TYPE_KEYS[type]);
     lua_setmetatable(L, -2);
-    return handle;
 }
 
 api_handle *api_test_handle(lua_State *L, int index, api_type type)

@@ -34,7 +34,7 @@ typedef struct api_area {
 } api_area;
 
 extern const api_area api_entity, api_body, api_joint, api_character, api_query, api_material, api_light, api_camera,
-    api_input, api_hud, api_time, api_world;
+    api_input, api_hud, api_time, api_world, api_picture;
 /* All areas, for registration and for the reference. */
 const api_area *const *api_areas(size_t *count);
 
@@ -95,7 +95,16 @@ int api_push_numbers(lua_State *L, double x, double y, double z); /* as three va
 
 /* ---- handles ---- */
 
-typedef enum api_type { API_ENTITY, API_LIGHT, API_MATERIAL, API_MESH, API_JOINT, API_CHARACTER, API_TYPES } api_type;
+typedef enum api_type {
+    API_ENTITY,
+    API_LIGHT,
+    API_MATERIAL,
+    API_MESH,
+    API_JOINT,
+    API_CHARACTER,
+    API_PICTURE,
+    API_TYPES
+} api_type;
 
 /* What a userdata of any of these types holds. */
 typedef struct api_handle {
@@ -105,6 +114,8 @@ typedef struct api_handle {
 
 /* Pushes a new userdata of the type. */
 api_handle *api_new_handle(lua_State *L, api_type type, uint32_t id);
+/* Makes the userdata on top, which begins with an api_handle, one of the type. */
+void api_set_type(lua_State *L, api_type type);
 /* The handle at index, or NULL when it is not of this type. */
 api_handle *api_test_handle(lua_State *L, int index, api_type type);
 api_handle *api_check_handle(lua_State *L, host *h, int index, api_type type, const char *what);
@@ -118,6 +129,8 @@ void api_set_wait(lua_State *L);
 int api_collect(lua_State *L);
 /* __gc of materials and meshes. */
 int api_release_handle(lua_State *L);
+/* __gc of pictures. */
+int api_release_picture(lua_State *L);
 
 /* Pushes the userdata of an entity, always the same one for the same entity; nil for none. */
 void api_push_entity(lua_State *L, uint32_t id);

@@ -65,6 +65,7 @@ typedef struct host {
     int depth;                  /* of coroutines that are being closed, one within the other */
     uint32_t made;              /* materials and meshes since host_collect last did something, roughly by their size */
     size_t memory, reserved;    /* bytes: Lua holds; are counted for it towards the engine's limit */
+    uint32_t pictures;          /* made so far */
     uint32_t tasks;             /* that run or wait, at most */
     char message[HOST_MESSAGE], trace[HOST_TRACE]; /* of the last error */
     char inner[HOST_TRACE / 2]; /* the stack of the coroutine in which an error began that is on its way; or empty */

@@ -2,6 +2,7 @@
  * the others in the callback that tells how far its own band is. */
 #include "many/bands.h"
 
+#include "channels/channels.h"
 #include "common/util.h"
 #include "many/share.h"
 
@@ -13,7 +14,7 @@ enum {
     ROWS  /* to 0: a band's number and its rows */
 };
 
-enum { TILE = 32, BANDS_EACH = 8, ARRAYS = 5 };
+enum { TILE = 32, BANDS_EACH = 8, ARRAYS = 1 + CHANNEL_COUNT };
 
 typedef struct job {
     many *all;
@@ -191,21 +192,22 @@ static job prepare(many *all, daft_scene *scene, const daft_view *view, daft_ima
 {
     int width = daft_image_width(target), height = daft_image_height(target);
     size_t w = (size_t)width;
-    const daft_aov *aov = &view->aov;
-    return (job){.all = all,
-                 .scene = scene,
-                 .view = *view,
-                 .target = target,
-                 .width = width,
-                 .height = height,
-                 .rows = choose_rows(height, many_count(all)),
-                 .arrays = {{daft_image_pixels(target), 4 * w},
-                            {(uint8_t *)aov->depth, w * sizeof *aov->depth},
-                            {(uint8_t *)aov->normal, w * sizeof *aov->normal},
-                            {(uint8_t *)aov->entity, w * sizeof *aov->entity},
-                            {(uint8_t *)aov->triangle, w * sizeof *aov->triangle}},
-                 .progress = many_rank(all) == 0 ? view->progress : NULL,
-                 .progress_user = view->progress_user};
+    job j = {.all = all,
+             .scene = scene,
+             .view = *view,
+             .target = target,
+             .width = width,
+             .height = height,
+             .rows = choose_rows(height, many_count(all)),
+             .arrays = {{daft_image_pixels(target), 4 * w}},
+             .progress = many_rank(all) == 0 ? view->progress : NULL,
+             .progress_user = view->progress_user};
+    for (int i = 0; i < CHANNEL_COUNT; i++) {
+        size_t bytes;
+        j.arrays[1 + i].bytes = channels_array(&view->aov, (channel_kind)i, &bytes);
+        j.arrays[1 + i].stride = w * bytes;
+    }
+    return j;
 }
 
 bool bands_render(many *all, daft_scene *scene, const daft_view *view, daft_image *target, daft_error *error)

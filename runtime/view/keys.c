@@ -39,6 +39,8 @@ static const view_key KEYS[] = {
     {"4", "albedo: surfaces in their own colour", {"4", "keypad 4"}, VIEW_CHANNEL, VIEW_ALBEDO},
     {"5", "entities, each in a colour", {"5", "keypad 5"}, VIEW_CHANNEL, VIEW_ENTITY},
     {"6", "triangles, each in a colour", {"6", "keypad 6"}, VIEW_CHANNEL, VIEW_TRIANGLE},
+    {"7", "motion since the last picture: right is red, down is green", {"7", "keypad 7"}, VIEW_CHANNEL, VIEW_MOTION},
+    {"8", "rays that each pixel costs: blue 1, red 4, yellow 16, white 64", {"8", "keypad 8"}, VIEW_CHANNEL, VIEW_COST},
     {"V", "add a checkpoint of the camera path where you are", {"v", "pad a"}, VIEW_CHECKPOINT, 0},
     {"M", "move the checkpoint nearest to the cursor here", {"m"}, VIEW_MOVE, 0},
     {"Delete", "remove that checkpoint", {"delete"}, VIEW_REMOVE, 0},

@@ -409,6 +409,8 @@ bool view_run(const view_def *def, daft_error *error)
 {
     viewer v = {.def = def, .look = {.quality = def->quality}, .mouse_x = 0.5, .mouse_y = 0.5};
     bool good = content_open(&v.content, def->engine, def->path, def->camera, viewer_aspect(&v), error);
+    v.channels.history = good ? daft_history_create(def->engine, error) : NULL;
+    good = v.channels.history != NULL;
     if (good) {
         v.now_ns = def->screen->now_ns(def->screen);
         v.seen_stamp = v.content.stamp;
@@ -425,6 +427,7 @@ bool view_run(const view_def *def, daft_error *error)
     daft_image_destroy(v.picture);
     daft_image_destroy(v.shown);
     draw_free(&v.channels);
+    daft_history_destroy(v.channels.history);
     refine_free(&v.refinement);
     return good;
 }

@@ -230,6 +230,13 @@ static daft_image *give_daft_image_p(caller *c)
 }
 static const daft_image *give_const_daft_image_p(caller *c) { return object_or_null(c, c->image); }
 
+static daft_history *give_daft_history_p(caller *c)
+{
+    daft_history *given = choose(c, 2) ? c->history : NULL; /* NULL is fine */
+    if (given && is_function(c, "daft_history_destroy")) c->history = NULL;
+    return given;
+}
+
 /* A writer of its own for each call. */
 static daft_writer *give_daft_writer_p(caller *c)
 {
@@ -408,6 +415,7 @@ static const daft_surfaces *give_const_daft_surfaces_p(caller *c)
 static const daft_view *give_const_daft_view_p(caller *c)
 {
     daft_view view = daft_default_view();
+    view.history = c->history;
     return give_struct(c, DAFT_STRUCT_VIEW, &view, false);
 }
 
@@ -698,6 +706,12 @@ static void took_daft_writer_p(caller *c, daft_writer *made)
     daft_writer_abandon(made);
 }
 
+static void took_daft_history_p(caller *c, daft_history *made)
+{
+    c->succeeded = made != NULL;
+    daft_history_destroy(made);
+}
+
 static void took_daft_image_p(caller *c, daft_image *made)
 {
     c->succeeded = made != NULL;
@@ -872,6 +886,12 @@ static void make_image(caller *c)
     REQUIRE(c->image);
 }
 
+static void make_history(caller *c)
+{
+    c->history = daft_history_create(c->engine, NULL);
+    REQUIRE(c->history);
+}
+
 void caller_open(caller *c)
 {
     daft_engine_def def = daft_default_engine_def();
@@ -885,6 +905,7 @@ void caller_open(caller *c)
     roots.roots = &root, roots.root_count = 1;
     REQUIRE(c->files = daft_files_create(&roots, NULL));
     make_image(c);
+    make_history(c);
     make_scene(c);
     c->argument = -1;
 }
@@ -893,15 +914,17 @@ void caller_close(caller *c)
 {
     daft_scene_destroy(c->scene);
     daft_image_destroy(c->image);
+    daft_history_destroy(c->history);
     daft_engine_destroy(c->engine);
     daft_files_destroy(c->files);
     free(c->saved);
-    c->scene = NULL, c->engine = NULL, c->image = NULL, c->saved = NULL;
+    c->scene = NULL, c->engine = NULL, c->image = NULL, c->history = NULL, c->saved = NULL;
 }
 
 void caller_mend(caller *c)
 {
     if (!c->image) make_image(c);
+    if (!c->history) make_history(c);
     if (!c->scene) make_scene(c);
 }
 

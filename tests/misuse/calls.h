@@ -34,6 +34,7 @@ typedef struct caller {
     daft_engine *engine;
     daft_scene *scene;
     daft_image *image;
+    daft_history *history;
     daft_files *files;   /* of `folder` */
     daft_writer *writer; /* of the one call that asked for it */
     pool entities, meshes, textures, materials, lights, joints, characters;

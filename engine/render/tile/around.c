@@ -63,7 +63,7 @@ void daft_fresh_add(tile_job *j, const daft_pencil *pencil, uint32_t place, uint
     const daft_vec3 ray = daft_pencil_ray(pencil, x, y);
     fresh->x[i] = ray.x, fresh->y[i] = ray.y;
     fresh->instance[i] = s->tile.instance[place], fresh->triangle[i] = s->tile.triangle[place];
-    fresh->pixel[i] = place_in_batch(i), s->wanted[i] = wanted;
+    fresh->pixel[i] = place_in_batch(i), s->wanted[fresh->pixel[i]] = wanted;
 }
 
 void daft_fresh_shade(tile_job *j, const daft_pencil *pencil)

@@ -59,9 +59,10 @@ static void shade_fresh(tile_job *j, const daft_pencil *pencil, const uint32_t f
         s->sum.x[i] = j->color->x[from], s->sum.y[i] = j->color->y[from], s->sum.z[i] = j->color->z[from];
     }
     j->r->shade->encode(s->sum.x, s->sum.y, s->sum.z, s->fresh.count, (uint8_t *)bytes);
-    for (uint32_t i = 0; i < s->fresh.count; i++)
-        words[s->wanted[i] / DAFT_TILE_STRIDE * word_stride(j->frame) + s->wanted[i] % DAFT_TILE_STRIDE] =
-            bytes[i] & 0xffffff;
+    for (uint32_t i = 0; i < s->fresh.count; i++) {
+        const uint32_t place = s->wanted[s->fresh.pixel[i]];
+        words[place / DAFT_TILE_STRIDE * word_stride(j->frame) + place % DAFT_TILE_STRIDE] = bytes[i] & 0xffffff;
+    }
 }
 
 void daft_corners_tile(void *context, uint32_t index, uint32_t worker)
@@ -78,6 +79,9 @@ void daft_corners_tile(void *context, uint32_t index, uint32_t worker)
         daft_tile_see(&j);
         j.r->kernels->match_corners(&around, &j.s->tile, part.asked, words, word_stride(frame), fresh);
         shade_fresh(&j, &pencil, fresh, words);
+        for (int y = 0; y < DAFT_TILE; y++)
+            for (uint32_t left = part.asked[y]; left; left &= left - 1)
+                daft_cost_ask(&j, (uint32_t)(y * DAFT_TILE + __builtin_ctz(left)), 1);
     }
     memcpy(j.r->edges[index].outline, part.asked, sizeof part.asked);
     book(&j, DAFT_EFFECT_ANTIALIASING);

@@ -95,6 +95,7 @@ static bool ask(refinement *r)
             const int x = __builtin_ctz(left);
             uint32_t rays = rays_of(r, r->left + x, r->top + y);
             any |= rays;
+            daft_cost_ask(r->j, (uint32_t)((r->top + y) * DAFT_TILE + r->left + x), (uint32_t)__builtin_popcount(rays));
             for (int k = 0; k < r->scale; k++, rays >>= r->scale)
                 r->part.asked[y * r->scale + k] |= (rays & ((1u << r->scale) - 1)) << (x * r->scale);
         }
@@ -116,7 +117,7 @@ static void shade_fresh(refinement *r)
     for (uint32_t i = 0; i < s->fresh.count; i++) {
         const uint32_t from = s->fresh.pixel[i];
         const daft_lanes3 *color = r->j->color;
-        add(s, s->wanted[i], color->x[from], color->y[from], color->z[from]);
+        add(s, s->wanted[from], color->x[from], color->y[from], color->z[from]);
     }
     s->fresh.count = 0;
 }

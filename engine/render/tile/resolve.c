@@ -42,6 +42,12 @@ void daft_tile_fill_plain(tile_job *j)
     uint8_t rgba[4];
     j->r->shade->sky(&j->snapshot->sky, &j->s->sky.direction, 1, color);
     j->r->shade->encode(color->x, color->y, color->z, 1, rgba);
+    if (j->frame->target->aov.color) {
+        for (uint32_t i = 0; i < DAFT_BATCH; i++)
+            j->s->color.x[i] = color->x[0], j->s->color.y[i] = color->y[0], j->s->color.z[i] = color->z[0];
+        j->color = &j->s->color;
+        daft_tile_aov_color(j);
+    }
     for (int row = 0; row < tile->height; row++) {
         uint8_t *to = daft_frame_row(j->frame, tile->y + row) + 4 * (size_t)tile->x;
         for (int x = 0; x < tile->width; x++) memcpy(to + 4 * x, rgba, sizeof rgba);
@@ -57,6 +63,7 @@ void daft_tile_resolve(tile_job *j)
     const daft_tile *tile = &j->s->tile;
     bool last = j->frame->sample == snapshot->preset.samples - 1;
     const daft_lanes3 *color = snapshot->preset.samples > 1 ? &j->s->color : j->color;
+    daft_tile_aov_color(j);
     for (int row = 0; row < tile->height; row++) {
         if (snapshot->preset.samples > 1) add_sample(j, row);
         if (!last) continue;

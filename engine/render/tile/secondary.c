@@ -50,6 +50,7 @@ void daft_tile_trace(tile_job *j, const daft_ray_batch *rays, daft_effect_kind e
         j->r->kernels->hit_points(j->snapshot, rays, first, hits, count, &s->facets, next);
     }
     s->rays_cast[effect] += rays->count;
+    daft_cost_add(j, rays->pixel, rays->count);
     ran(j, effect);
     book(j, effect);
 }

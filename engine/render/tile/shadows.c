@@ -22,6 +22,7 @@ static uint32_t cast(tile_job *j, const daft_batch *points, const daft_light_sou
 void daft_tile_shadows(tile_job *j, const daft_batch *points, const daft_light_source *light)
 {
     daft_scratch *s = j->s;
+    daft_cost_add_some(j, points->pixel, s->lit, points->count);
     uint32_t rays = cast(j, points, light, DAFT_NOTHING, s->lit);
     s->rays_cast[DAFT_EFFECT_SHADOW] += rays;
     s->shadow_points += rays;

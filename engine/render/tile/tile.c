@@ -24,7 +24,7 @@ void daft_tile_surfaces(tile_job *j, const daft_pencil *pencil, const daft_seen_
     const daft_surfaces_def def = {.snapshot = frame->snapshot,
                                    .pencil = pencil,
                                    .shadows = frame->plan.shadows,
-                                   .distance = frame->target->aov.depth != NULL};
+                                   .distance = frame->target->aov.depth || frame->target->aov.motion};
     if (list)
         j->r->kernels->listed_surfaces(&def, list, &s->facets, &s->points, &s->sky);
     else
@@ -76,6 +76,7 @@ static void shade_visible(tile_job *j)
     daft_batch *points = &s->points;
     const daft_ray_batch *sky = &s->sky;
     if (points->count) light_points(j, points);
+    daft_tile_aov_albedo(j);
     if (!j->refines && sky->count == 0 && s->tile.width == DAFT_TILE && !(points->traits & DAFT_TRAIT_SENDS)) {
         j->color = &points->light;
         return;
@@ -150,6 +151,7 @@ void daft_render_tile(void *context, uint32_t index, uint32_t worker)
     daft_tile_see(&j);
     daft_tile_surfaces(&j, &frame->pencil, NULL);
     if (frame->sample == 0) daft_tile_aov(&j);
+    daft_cost_see(&j);
     if (frame->edge_scale) keep_seen(&j);
     book(&j, DAFT_EFFECT_SURFACE);
     if (daft_tile_is_plain(&j)) {

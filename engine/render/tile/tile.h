@@ -68,7 +68,16 @@ tile_job daft_tile_again(daft_frame *frame, uint32_t index, uint32_t worker);
 daft_neighbours daft_tile_neighbours(const tile_job *j);
 void daft_fresh_add(tile_job *j, const daft_pencil *pencil, uint32_t place, uint32_t wanted);
 void daft_fresh_shade(tile_job *j, const daft_pencil *pencil);
-/* aov.c: what the caller asked for beside colour, of the first sample. */
+/* aov.c: what the caller asked for beside the picture's bytes: of the first sample what is seen and, once textures are
+ * read, its own colour; the light of each sample. */
 void daft_tile_aov(tile_job *j);
+void daft_tile_aov_albedo(const tile_job *j);
+void daft_tile_aov_color(const tile_job *j);
+/* Rays that are cast, counted for the pixel that they serve: one for each of a batch's points, for those of which a bit
+ * is set; the camera's; some for a pixel by its place in the tile. */
+void daft_cost_add(const tile_job *j, const uint32_t *pixels, uint32_t count);
+void daft_cost_add_some(const tile_job *j, const uint32_t *pixels, const uint32_t *bits, uint32_t count);
+void daft_cost_see(const tile_job *j);
+void daft_cost_ask(const tile_job *j, uint32_t pixel, uint32_t rays);
 
 #endif

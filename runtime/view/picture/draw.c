@@ -20,7 +20,9 @@ static bool allocate(pixel_channels *c, int width, int height, daft_error *error
     a->normal = malloc(pixels * sizeof *a->normal);
     a->entity = malloc(pixels * sizeof *a->entity);
     a->triangle = malloc(pixels * sizeof *a->triangle);
-    if (!a->depth || !a->normal || !a->entity || !a->triangle) {
+    a->motion = malloc(pixels * sizeof *a->motion);
+    a->cost = malloc(pixels * sizeof *a->cost);
+    if (!a->depth || !a->normal || !a->entity || !a->triangle || !a->motion || !a->cost) {
         draw_free(c);
         return fail(error, DAFT_ERROR_MEMORY, "out of memory for the channels of %d x %d pixels", width, height);
     }
@@ -34,7 +36,9 @@ void draw_free(pixel_channels *c)
     free(c->arrays.normal);
     free(c->arrays.entity);
     free(c->arrays.triangle);
-    *c = (pixel_channels){0};
+    free(c->arrays.motion);
+    free(c->arrays.cost);
+    *c = (pixel_channels){.history = c->history};
 }
 
 /* ---- colours ---- */
@@ -79,6 +83,19 @@ static rgb number_color(uint32_t a, uint32_t b)
                  (uint8_t)(64 + (hash >> 8 & 0xff) * 3 / 4)};
 }
 
+/* Grey where nothing moves; right and down are red and green, and 24 pixels the brightest. */
+static rgb motion_color(daft_vec2 motion)
+{
+    return (rgb){byte_of(0.5 + (double)motion.x / 48), byte_of(0.5 + (double)motion.y / 48), 128};
+}
+
+/* From blue over red and yellow to white, by the logarithm: one ray is blue, 64 are white. */
+static rgb cost_color(uint32_t rays)
+{
+    const double t = log2(fmax(1, rays)) / 6 * 3;
+    return (rgb){byte_of(t), byte_of(t - 1), byte_of(t < 1 ? 0.5 - t / 2 : t - 2)};
+}
+
 static rgb channel_color(const pixel_channels *c, view_channel channel, size_t i, float low, float high)
 {
     uint32_t entity = c->arrays.entity[i].id;
@@ -87,6 +104,8 @@ static rgb channel_color(const pixel_channels *c, view_channel channel, size_t i
     case VIEW_NORMAL: return normal_color(c->arrays.normal[i]);
     case VIEW_ENTITY: return entity ? number_color(entity, 0) : SKY;
     case VIEW_TRIANGLE: return entity ? number_color(entity, c->arrays.triangle[i] + 1) : SKY;
+    case VIEW_MOTION: return motion_color(c->arrays.motion[i]);
+    case VIEW_COST: return cost_color(c->arrays.cost[i]);
     case VIEW_PICTURE:
     case VIEW_ALBEDO: break;
     }
@@ -144,7 +163,8 @@ bool draw_scene(daft_scene *scene, const view_look *look, pixel_channels *channe
     draw_set_view(look, &view);
     if (wanted && !allocate(channels, daft_image_width(target), daft_image_height(target), error)) return false;
     if (wanted) view.aov = channels->arrays;
-    if (!shaded)
+    if (look->channel == VIEW_MOTION) view.history = channels->history;
+    if (!shaded && look->channel != VIEW_COST)
         view.quality = DAFT_QUALITY_DRAFT, view.without = DAFT_WITHOUT_SHADING; /* only channels are looked at */
     if (!daft_render(scene, &view, target, error)) return false;
     if (!shaded) paint_channel(channels, look->channel, target);

@@ -10,7 +10,9 @@ typedef enum view_channel {
     VIEW_NORMAL,
     VIEW_ALBEDO,
     VIEW_ENTITY,
-    VIEW_TRIANGLE
+    VIEW_TRIANGLE,
+    VIEW_MOTION,
+    VIEW_COST
 } view_channel;
 
 /* Switches of the window beside DAFT_WITHOUT_…: knobs of the view. */
@@ -29,6 +31,7 @@ typedef struct view_look {
 typedef struct pixel_channels {
     int width, height;
     daft_aov arrays;
+    daft_history *history; /* of the pictures of VIEW_MOTION */
 } pixel_channels;
 
 /* Camera and what is left out. */

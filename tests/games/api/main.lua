@@ -267,6 +267,24 @@ function daft.update(dt)
         walker:destroy()
         assert(not walker:valid())
     end
+    if tick == 19 then
+        local eye = daft.picture { width = 40, height = 30 }
+        expect_error("nothing is drawn yet: call picture:draw first", eye.depth, eye, 0, 0)
+        expect_error("width: whole number of pixels expected, got nil", daft.picture, { height = 30 })
+        expect_error("width: 1 to 4096 pixels expected, got 0", daft.picture, { width = 0, height = 30 })
+        expect_error("are too many: 1048576 at most", daft.picture, { width = 4096, height = 4096 })
+        expect_error("did you mean 'pitch'", eye.draw, eye, { pich = 1 })
+        eye:draw { position = { 0, 50, 0 }, pitch = math.pi / 2 }
+        expect_error("pixel (40, 0) is outside: 0 to 39, 0 to 29", eye.entity, eye, 40, 0)
+        expect_error("picture expected before the colon, got entity", eye.entity, ball, 0, 0)
+        local width, height = eye:size()
+        assert(width == 40 and height == 30 and eye ~= daft.picture { width = 1, height = 1 })
+        assert(eye:cost(0, 0) >= 1 and eye:triangle(20, 15) >= 0 and eye:albedo(20, 15) >= 0 and eye:color(20, 15) >= 0)
+        local x, y, z = eye:normal(20, 15)
+        assert(eye:entity(20, 15) == nil or near(x * x + y * y + z * z, 1, 1e-4))
+        assert(eye:motion(20, 15) == 0)
+        assert(tostring(eye) == "picture 1")
+    end
     if tick == 20 then
         local list = ball:contacts()
         assert(#list == 1 and list[1].other == floor and near(list[1].normal[2], 1, 1e-3) and list[1].impulse > 0)

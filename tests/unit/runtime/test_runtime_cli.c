@@ -15,6 +15,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#if defined(DAFT_HAS_OPENEXR)
+#include <openexr.h>
+#endif
+
 #include "json.h"
 #include "runtime_program.h"
 
@@ -32,7 +36,7 @@ static void wrong_usage_is_status_2_with_a_hint(void **unused)
                  {"render a.scene", "-o IMG is missing"},
                  {"render a.scene b.scene -o c.png", "'b.scene' is one operand too many"},
                  {"render a.scene -o", "--output: IMG is missing"},
-                 {"render a.scene -o c.gif", "ends in .png or .ppm"},
+                 {"render a.scene -o c.gif", "ends in .png, .ppm or .exr"},
                  {"render a.scene -o c.png --szie 10x10", "did you mean '--size'?"},
                  {"render a.scene -o c.png --size 10", "WIDTHxHEIGHT expected"},
                  {"render a.scene -o c.png --size 0x10", "each from 1 to 16384"},
@@ -47,8 +51,11 @@ static void wrong_usage_is_status_2_with_a_hint(void **unused)
                  {"render a.scene -o c.png --camera 1.5", "got '1.5'"},
                  {"render a.scene -o c.png --isa avx1024", "one of plain, sse2, avx2, avx512"},
                  {"render a.scene -o c.png --aov depth,nromal", "did you mean 'normal'?"},
-                 {"render a.scene -o c.png --aov depth,", "a list of depth, normal, id, triangle expected, got ''"},
+                 {"render a.scene -o c.png --aov depth,", "albedo, motion, cost expected, got ''"},
                  {"render a.scene -o c.png --aov", "--aov: LIST is missing"},
+                 {"render a.scene -o c.png --aov motion", "nothing moves in one picture; --at SECONDS"},
+                 {"render a.scene -o c.png --at 1 --camera 0", "the camera is that of the path"},
+                 {"render a.scene -o c.jpg", "ends in .png, .ppm or .exr expected"},
                  {"render a.scene -o c.png --explain=yes", "--explain takes no value"},
                  {"render README.md -o c.png", "neither a .scene nor a mesh"},
                  {"scan a.scene", "-o FILE is missing"},
@@ -279,6 +286,88 @@ static void aov_files_hold_what_the_library_says(void **unused)
     daft_engine_destroy(engine);
 }
 
+#if defined(DAFT_HAS_OPENEXR)
+/* One channel of a file, read through OpenEXR's C library. */
+static void read_layer(const char *path, const char *name, uint32_t out[AOV_PIXELS])
+{
+    exr_context_t file;
+    exr_context_initializer_t how = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    int32_t rows;
+    assert_int_equal(exr_start_read(&file, path, &how), EXR_ERR_SUCCESS);
+    assert_int_equal(exr_get_scanlines_per_chunk(file, 0, &rows), EXR_ERR_SUCCESS);
+    int found = 0;
+    for (int y = 0; y < AOV_HEIGHT; y += rows) {
+        exr_chunk_info_t chunk;
+        exr_decode_pipeline_t decoder = EXR_DECODE_PIPELINE_INITIALIZER;
+        assert_int_equal(exr_read_scanline_chunk_info(file, 0, y, &chunk), EXR_ERR_SUCCESS);
+        assert_int_equal(exr_decoding_initialize(file, 0, &chunk, &decoder), EXR_ERR_SUCCESS);
+        for (int i = 0; i < decoder.channel_count; i++) {
+            exr_coding_channel_info_t *c = &decoder.channels[i];
+            if (strcmp(c->channel_name, name) != 0) continue;
+            c->decode_to_ptr = (uint8_t *)&out[y * AOV_WIDTH];
+            c->user_pixel_stride = 4, c->user_line_stride = 4 * AOV_WIDTH, c->user_bytes_per_element = 4;
+            found++;
+        }
+        assert_int_equal(exr_decoding_choose_default_routines(file, 0, &decoder), EXR_ERR_SUCCESS);
+        assert_int_equal(exr_decoding_run(file, 0, &decoder), EXR_ERR_SUCCESS);
+        exr_decoding_destroy(file, &decoder);
+    }
+    assert_true(found > 0);
+    exr_finish(&file);
+}
+
+/* Layers hold what the files beside a PNG do, and R is the linear light of the picture. */
+static void exr_layers_hold_what_the_files_do(void **unused)
+{
+    (void)unused;
+    static float pfm[3 * AOV_PIXELS];
+    static uint32_t layer[AOV_PIXELS];
+    const struct {
+        const char *name, *layer, *head;
+        size_t floats, at;
+    } all[] = {{"depth", "depth.Z", "Pf", 1, 0},
+               {"normal", "normal.Y", "PF", 3, 1},
+               {"color", "R", "PF", 3, 0},
+               {"albedo", "albedo.B", "PF", 3, 2},
+               {"motion", "motion.X", "PF", 3, 0}};
+    char stem[64], path[96];
+    snprintf(stem, sizeof stem, "/tmp/daft-exr-%d", (int)getpid());
+    const char *formats[] = {"png", "exr"};
+    for (int i = 0; i < 2; i++)
+        assert_status(run_daft(output,
+                               "render assets/scenes/town.scene -o %s.%s --size %dx%d --at 2 --aov "
+                               "depth,normal,color,albedo,motion,id,cost",
+                               stem, formats[i], AOV_WIDTH, AOV_HEIGHT),
+                      0, output);
+    snprintf(path, sizeof path, "%s.exr", stem);
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {
+        char beside[96];
+        snprintf(beside, sizeof beside, "%s.%s.pfm", stem, all[i].name);
+        read_pfm(beside, all[i].head, all[i].floats, pfm);
+        read_layer(path, all[i].layer, layer);
+        for (size_t k = 0; k < AOV_PIXELS; k++) assert_memory_equal(&layer[k], &pfm[all[i].floats * k + all[i].at], 4);
+        unlink(beside);
+    }
+    daft_engine_def def = daft_default_engine_def();
+    daft_engine *engine = daft_engine_create(&def, NULL);
+    const char *numbers[] = {"id", "cost"}, *layers[] = {"entity.id", "cost.rays"};
+    for (int i = 0; i < 2; i++) {
+        char beside[96];
+        snprintf(beside, sizeof beside, "%s.%s.png", stem, numbers[i]);
+        read_layer(path, layers[i], layer);
+        assert_numbers(engine, beside, layer);
+        unlink(beside);
+    }
+    daft_engine_destroy(engine);
+    unlink(path);
+    snprintf(path, sizeof path, "%s.png", stem);
+    assert_int_equal(unlink(path), 0);
+    assert_status(run_daft(output, "render assets/scenes/hello.scene -o /no/such/folder/a.exr --size 32x18"), 1,
+                  output);
+    assert_says(output, "/no/such/folder/a.exr: ");
+}
+#endif
+
 static void aov_writes_what_is_asked_for_and_says_what_it_cannot(void **unused)
 {
     (void)unused;
@@ -391,18 +480,23 @@ static void check_finds_nothing_wrong_with_what_ships(void **unused)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(wrong_usage_is_status_2_with_a_hint),
-                                       cmocka_unit_test(bad_input_is_status_1_with_a_message),
-                                       cmocka_unit_test(a_mesh_without_faces_is_refused),
-                                       cmocka_unit_test(help_is_status_0),
-                                       cmocka_unit_test(stats_are_json_with_the_promised_names),
-                                       cmocka_unit_test(explain_prints_the_plan_and_nothing_draws_a_bar_in_a_pipe),
-                                       cmocka_unit_test(pictures_do_not_depend_on_threads),
-                                       cmocka_unit_test(aov_files_hold_what_the_library_says),
-                                       cmocka_unit_test(aov_writes_what_is_asked_for_and_says_what_it_cannot),
-                                       cmocka_unit_test(a_mesh_is_framed),
-                                       cmocka_unit_test(scans_are_whole_files_of_points),
-                                       cmocka_unit_test(bad_scans_are_told),
-                                       cmocka_unit_test(check_finds_nothing_wrong_with_what_ships)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(wrong_usage_is_status_2_with_a_hint),
+        cmocka_unit_test(bad_input_is_status_1_with_a_message),
+        cmocka_unit_test(a_mesh_without_faces_is_refused),
+        cmocka_unit_test(help_is_status_0),
+        cmocka_unit_test(stats_are_json_with_the_promised_names),
+        cmocka_unit_test(explain_prints_the_plan_and_nothing_draws_a_bar_in_a_pipe),
+        cmocka_unit_test(pictures_do_not_depend_on_threads),
+        cmocka_unit_test(aov_files_hold_what_the_library_says),
+        cmocka_unit_test(aov_writes_what_is_asked_for_and_says_what_it_cannot),
+#if defined(DAFT_HAS_OPENEXR)
+        cmocka_unit_test(exr_layers_hold_what_the_files_do),
+#endif
+        cmocka_unit_test(a_mesh_is_framed),
+        cmocka_unit_test(scans_are_whole_files_of_points),
+        cmocka_unit_test(bad_scans_are_told),
+        cmocka_unit_test(check_finds_nothing_wrong_with_what_ships)
+    };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
