@@ -692,6 +692,9 @@ typedef struct daft_light_def {
      * the inner angle, none beyond the outer; between, a cubic of the angle's cosine (Pharr, Jakob, Humphreys,
      * "Physically Based Rendering", 4th edition, 12.2.1). Default pi/8 and pi/6. */
     float inner_angle, outer_angle;
+    /* Sizes, for soft shadows; 0: the light is a point, and its shadows are sharp. Point and spot: metres; sun:
+     * radians, half the angle that its disc spans (the real one has 0.00465), up to pi/4. */
+    float radius, disc;
 } daft_light_def;
 
 /* A white point light at the origin that casts shadows. */
@@ -704,6 +707,9 @@ DAFT_API bool daft_light_destroy(daft_scene *scene, daft_light light, daft_error
 
 /* Colours in linear light, finite and 0 or more. The calls without an error warn about others, and change nothing. */
 DAFT_API void daft_scene_set_ambient(daft_scene *scene, daft_vec3 color); /* light from everywhere; default 0.2 grey */
+/* Ambient occlusion: what stands within so many metres of a surface keeps ambient light away from it. 0, the default:
+ * nothing does. */
+DAFT_API void daft_scene_set_ambient_occlusion(daft_scene *scene, float distance);
 
 DAFT_API void daft_scene_set_sky_color(daft_scene *scene, daft_vec3 color);
 DAFT_API void daft_scene_set_sky_gradient(daft_scene *scene, daft_vec3 zenith, daft_vec3 horizon);
@@ -795,6 +801,9 @@ typedef struct daft_view {
     int refraction_depth; /* surfaces that a path which passes through some may meet, 0 to 32; -1: the quality's */
     float min_weight;     /* mirrored or refracted rays below it are not cast, 0 to 1; below 0: the quality's */
     int shadows;          /* 0: none, 1: of every light; -1: the quality's */
+    int shadow_samples;   /* rays to a light that has a size, 1 to 64; 0: its shadows are sharp; -1: the quality's */
+    int occlusion_samples; /* rays around each point for ambient occlusion, 1 to 64; 0: none; -1: the quality's */
+    int denoise;           /* 1: filters what is sampled, where a pixel has one sample; 0: not; -1: the quality's */
     daft_intersection intersection;
     bool reference;   /* camera rays alone through the BVH, as in DAFT_QUALITY_REFERENCE */
     int first_row;    /* draws a band of the picture: a multiple of 32 */
@@ -1027,6 +1036,8 @@ typedef enum daft_effect_kind {
     DAFT_EFFECT_SKY,
     DAFT_EFFECT_RESOLVE,
     DAFT_EFFECT_ANTIALIASING, /* more samples of pixels that differ from their neighbours: all of their work */
+    DAFT_EFFECT_OCCLUSION,    /* rays around points, for the ambient light */
+    DAFT_EFFECT_DENOISE,      /* filters what is sampled */
     DAFT_EFFECT_COUNT
 } daft_effect_kind;
 

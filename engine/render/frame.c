@@ -1,11 +1,12 @@
 /* A frame: the plan, then for each sample the pencil's three passes and the tiles. */
+#include "math/trig.h"
 #include "render/internal.h"
 
 #include <string.h>
 
-static const char *const EFFECT_NAMES[DAFT_EFFECT_COUNT] = {"visibility", "surface",     "texture",    "shadow",
-                                                            "lighting",   "reflection",  "refraction", "sky",
-                                                            "resolve",    "antialiasing"};
+static const char *const EFFECT_NAMES[DAFT_EFFECT_COUNT] = {"visibility", "surface",      "texture",    "shadow",
+                                                            "lighting",   "reflection",   "refraction", "sky",
+                                                            "resolve",    "antialiasing", "occlusion",  "denoise"};
 
 static const daft_render_kernels *kernels_for(int isa)
 {
@@ -29,6 +30,10 @@ daft_renderer *daft_renderer_create(const daft_allocator *allocator, int threads
     r->shade = daft_shade_kernels_for(isa);
     r->kernels = kernels_for(isa);
     daft_arena_init(&r->arena, &r->allocator);
+    for (int i = 0; i < 1 << DAFT_TURN_BITS; i++) {
+        const double angle = 2 * DAFT_PI * i / (1 << DAFT_TURN_BITS);
+        r->turns[i] = (daft_vec2){(float)daft_cos(angle), (float)daft_sin(angle)};
+    }
     r->scratch = daft_alloc_zero(allocator, (size_t)threads, sizeof *r->scratch);
     r->sample_scratch = daft_alloc_zero(allocator, (size_t)threads, r->sample_kernels->scratch_size);
     bool some = r->scratch && r->sample_scratch;
@@ -47,6 +52,7 @@ void daft_renderer_destroy(daft_renderer *r)
     daft_release(&allocator, r->scratch);
     daft_release(&allocator, r->sample_scratch);
     daft_release(&allocator, r->passed);
+    daft_release(&allocator, r->sampled);
     daft_release(&allocator, r->refracted);
     daft_mirrors_free(r);
     daft_release(&allocator, r->sum);
@@ -54,6 +60,8 @@ void daft_renderer_destroy(daft_renderer *r)
     daft_release(&allocator, r->ids);
     daft_release(&allocator, r->apron);
     daft_release(&allocator, r->smooth);
+    daft_release(&allocator, r->planes);
+    daft_release(&allocator, r->noisy);
     daft_release(&allocator, r->corners);
     daft_release(&allocator, r);
 }
@@ -118,7 +126,8 @@ static bool prepare_tree(daft_frame *frame, daft_error *error)
 {
     daft_renderer *r = frame->renderer;
     const daft_snapshot *s = frame->snapshot;
-    bool asked = frame->plan.shadows || frame->plan.reflects || frame->plan.refracts || s->preset.reference;
+    bool asked = frame->plan.shadows || frame->plan.occlusion || frame->plan.reflects || frame->plan.refracts ||
+                 s->preset.reference;
     if (!asked) return true;
     const daft_tlas_def def = {.intersection = s->intersection, .threads = r->threads, .isa = r->isa};
     if (!r->tlas) r->tlas = daft_tlas_build_for(&r->arena, s->instances, s->instance_count, &def, error);
@@ -137,9 +146,12 @@ static void choose_rows(daft_frame *frame, int apron)
     frame->tile_count = tiles_x * (uint32_t)((end - first + DAFT_TILE - 1) / DAFT_TILE);
 }
 
+/* Rows above and below the band that decide about its pixels. */
+static int apron_of(const daft_frame *frame) { return frame->edge_scale || frame->plan.denoise ? DAFT_TILE : 0; }
+
 static void count_work(daft_frame *frame)
 {
-    choose_rows(frame, frame->edge_scale ? DAFT_TILE : 0);
+    choose_rows(frame, apron_of(frame));
     frame->tiles_in_all = frame->tile_count * (uint32_t)frame->snapshot->preset.samples;
     choose_rows(frame, 0);
     frame->band_tile = frame->first_tile;
@@ -157,16 +169,17 @@ static bool prepare_edges(daft_frame *frame, daft_error *error)
 {
     daft_renderer *r = frame->renderer;
     const daft_snapshot *s = frame->snapshot;
-    if (!frame->edge_scale) return true;
     const size_t row = (size_t)s->width, rows = (size_t)s->row_count;
-    const size_t apron = s->row_count < s->height ? 2 * DAFT_TILE * 4 * row : 0;
+    const size_t apron = apron_of(frame) && s->row_count < s->height ? 2 * DAFT_TILE * 4 * row : 0;
+    if (!daft_grow(&r->allocator, &r->apron, &r->apron_capacity, apron, 0, 1))
+        return daft_fail_memory(error, "the rows around a band");
+    if (!frame->edge_scale) return true;
     const bool corners = frame->edge_scale == 1;
     choose_rows(frame, 0);
     const bool more = s->first_row + s->row_count < s->height;
     frame->corner_tiles = frame->tile_count + (more ? daft_tile_columns(s) : 0);
     if (daft_grow(&r->allocator, &r->edges, &r->edge_capacity, frame->corner_tiles, 0, sizeof *r->edges) &&
         daft_grow(&r->allocator, &r->ids, &r->id_capacity, row * (rows + 2 * DAFT_TILE), 0, sizeof *r->ids) &&
-        daft_grow(&r->allocator, &r->apron, &r->apron_capacity, apron, 0, 1) &&
         daft_grow(&r->allocator, &r->corners, &r->corner_capacity, corners ? daft_corner_words(frame) : 0, 0,
                   sizeof *r->corners) &&
         daft_grow(&r->allocator, &r->smooth, &r->smooth_capacity, corners ? 0 : 4 * row * rows, 0, 1))
@@ -208,8 +221,10 @@ static bool render_sample(daft_frame *frame, daft_counters *counters, daft_error
     if (!prepare_refractions(frame, error) || !prepare_tree(frame, error) || !daft_mirrors_prepare(frame, error))
         return false;
     counters->effects[DAFT_EFFECT_VISIBILITY].ms += daft_clock_ms() - start;
-    choose_rows(frame, frame->edge_scale ? DAFT_TILE : 0);
+    choose_rows(frame, apron_of(frame));
+    if (!daft_denoise_prepare(frame, error)) return false;
     daft_parallel_for(r->threads, frame->tile_count, daft_render_tile, frame);
+    if (!daft_denoise(frame, error)) return false;
     count_bins(r, counters);
     if (atomic_load(&frame->cancelled)) return daft_fail(error, DAFT_ERROR_CANCELLED, "rendering was stopped");
     return true;
@@ -220,6 +235,16 @@ static bool prepare_tints(daft_renderer *r, daft_error *error)
     if (!daft_grow(&r->allocator, &r->passed, &r->passed_capacity, (size_t)r->threads, 0, sizeof *r->passed))
         return daft_fail_memory(error, "the light that comes through");
     for (int i = 0; i < r->threads; i++) r->scratch[i].passed = &r->passed[i];
+    return true;
+}
+
+static bool prepare_sampled(daft_renderer *r, bool some, daft_error *error)
+{
+    for (int i = 0; i < r->threads; i++) r->scratch[i].sampled = NULL;
+    if (!some) return true;
+    if (!daft_grow(&r->allocator, &r->sampled, &r->sampled_capacity, (size_t)r->threads, 0, sizeof *r->sampled))
+        return daft_fail_memory(error, "the light that is sampled");
+    for (int i = 0; i < r->threads; i++) r->scratch[i].sampled = &r->sampled[i];
     return true;
 }
 
@@ -244,6 +269,7 @@ static bool prepare(daft_frame *frame, daft_error *error)
     }
     count_work(frame);
     if (frame->plan.tints && !prepare_tints(r, error)) return false;
+    if (!prepare_sampled(r, frame->plan.soft || frame->plan.occlusion, error)) return false;
     if (!prepare_edges(frame, error)) return false;
     size_t floats = s->preset.samples > 1 ? 3 * (size_t)s->width * (size_t)s->height : 0;
     if (daft_grow(&r->allocator, &r->sum, &r->sum_capacity, floats, 0, sizeof *r->sum)) return true;
@@ -253,7 +279,8 @@ static bool prepare(daft_frame *frame, daft_error *error)
 /* The tree over instances is the first one's of the effects that ask for rays. */
 static void count_bytes(const daft_frame *frame, daft_counters *c)
 {
-    static const daft_effect_kind ON_TREE[] = {DAFT_EFFECT_SHADOW, DAFT_EFFECT_REFLECTION, DAFT_EFFECT_REFRACTION};
+    static const daft_effect_kind ON_TREE[] = {DAFT_EFFECT_SHADOW, DAFT_EFFECT_OCCLUSION, DAFT_EFFECT_REFLECTION,
+                                               DAFT_EFFECT_REFRACTION};
     const daft_renderer *r = frame->renderer;
     daft_effect *e = c->effects;
     for (size_t i = 0; i < DAFT_COUNT_OF(ON_TREE); i++) {
@@ -263,6 +290,8 @@ static void count_bytes(const daft_frame *frame, daft_counters *c)
     }
     if (e[DAFT_EFFECT_SHADOW].ran && frame->plan.tints)
         e[DAFT_EFFECT_SHADOW].bytes += r->passed_capacity * sizeof *r->passed;
+    if (e[DAFT_EFFECT_OCCLUSION].ran) e[DAFT_EFFECT_OCCLUSION].bytes += r->sampled_capacity * sizeof *r->sampled;
+    if (e[DAFT_EFFECT_DENOISE].ran) e[DAFT_EFFECT_DENOISE].bytes = daft_denoise_bytes(r);
     if (e[DAFT_EFFECT_REFLECTION].ran) e[DAFT_EFFECT_REFLECTION].bytes += daft_mirrors_bytes(r);
     if (e[DAFT_EFFECT_REFRACTION].ran) e[DAFT_EFFECT_REFRACTION].bytes += r->refracted_capacity * sizeof *r->refracted;
     if (frame->snapshot->preset.samples > 1) e[DAFT_EFFECT_RESOLVE].bytes = r->sum_capacity * sizeof *r->sum;

@@ -10,11 +10,22 @@
 typedef struct daft_plan {
     const daft_preset *preset;
     bool shadows, may_reflect;                   /* some light casts them onto something; some material mirrors */
+    bool denoise;                                /* what they sample is filtered */
+    bool soft, occlusion;                        /* some of these shadows are soft; ambient light is occluded */
     bool tints, may_refract;                     /* some of these shadows let light through; some material transmits */
     bool reflects, refracts;                     /* of the running sample: what is seen may send such rays on */
     const char *why[DAFT_EFFECT_COUNT];          /* what calls for the effect, or why nothing can */
     const char *why_not_seen[DAFT_EFFECT_COUNT]; /* the reason if no tile runs it after all */
 } daft_plan;
+
+/* Light of points that is sampled (tile/soft.c). */
+typedef struct daft_sampled_light {
+    bool some;                            /* of the batch, so that what follows counts: */
+    daft_lanes3 whole, arrived;           /* what would arrive if nothing were in its way; what does */
+    daft_lanes3 tile_whole, tile_arrived; /* the same of the tile's pixels, while they are to be filtered */
+    daft_lanes3 before;                   /* the points' light without it */
+    float open[DAFT_BATCH_ROOM];
+} daft_sampled_light;
 
 /* A worker's own: no lock, no allocation in a settled frame. */
 typedef struct daft_scratch {
@@ -26,8 +37,9 @@ typedef struct daft_scratch {
     daft_lanes3 color; /* of the tile's pixels: row · DAFT_TILE + column */
     uint32_t candidates[DAFT_MAX_OCCLUDERS];
     uint32_t lit[DAFT_SAMPLES_WORDS], under[DAFT_SAMPLES_WORDS];
-    daft_lanes3 *passed;       /* of the running light's light; NULL until some shadow lets light through */
-    daft_ray_batch *refracted; /* waiting, of each depth; NULL until something is seen that light may pass */
+    daft_sampled_light *sampled; /* NULL: the frame has none */
+    daft_lanes3 *passed;         /* of the running light's light; NULL until some shadow lets light through */
+    daft_ray_batch *refracted;   /* waiting, of each depth; NULL until something is seen that light may pass */
     uint32_t around[2][DAFT_TILE + 2][DAFT_TILE + 2]; /* a tile at the picture's border: its pixels and ids */
     daft_mixed mixed;                                 /* the tile's pixels that their corners change */
     daft_lanes3 sum;             /* of the tile's pixels that get more samples: their linear light, */
@@ -56,6 +68,8 @@ typedef struct daft_mirror {
     uint32_t count;
 } daft_mirror;
 
+enum { DAFT_TURN_BITS = 8 };
+
 struct daft_renderer {
     daft_allocator allocator;
     int threads, isa;
@@ -69,9 +83,12 @@ struct daft_renderer {
     const daft_tlas *tlas;
     uint64_t revision;
     daft_intersection intersection;
-    daft_scratch *scratch;   /* one for each worker */
-    uint8_t *sample_scratch; /* the workers', sample_kernels->scratch_size each */
-    daft_lanes3 *passed;     /* the workers' */
+    daft_scratch *scratch;                /* one for each worker */
+    uint8_t *sample_scratch;              /* the workers', sample_kernels->scratch_size each */
+    daft_vec2 turns[1 << DAFT_TURN_BITS]; /* unit vectors all round */
+    daft_sampled_light *sampled;          /* the workers' */
+    size_t sampled_capacity;
+    daft_lanes3 *passed; /* the workers' */
     size_t passed_capacity;
     daft_ray_batch *refracted; /* the workers' */
     size_t refracted_capacity;
@@ -86,6 +103,10 @@ struct daft_renderer {
     uint8_t *apron;    /* the pixels above and below the band */
     uint8_t *smooth;   /* the band's pixels with more samples, until all are drawn */
     uint32_t *corners; /* words of the band's corners (daft_mixed); daft_edges.outline says which there are */
+    /* denoise.c: planes of the frame's tiles, and which of these have sampled light */
+    float *planes;
+    bool *noisy;
+    size_t plane_capacity, plane_size, plane_stride, noisy_capacity;
     size_t edge_capacity, id_capacity, apron_capacity, smooth_capacity, corner_capacity;
 };
 
@@ -105,11 +126,17 @@ typedef struct daft_frame {
     /* Pixels that get more samples have them in their corners (1) or on a grid of so many rows and columns; 0: none do.
      */
     int edge_scale;
+    size_t plane_size;
+    int filter_pass;
     uint32_t corner_tiles; /* those of the band and of the row below, whose corners it shares */
     atomic_uint tiles_done;
     atomic_bool cancelled;
 } daft_frame;
 
+/* denoise.c: once the first tile of the frame's first pass is known; and when all tiles of it are drawn. */
+bool daft_denoise_prepare(daft_frame *frame, daft_error *error);
+bool daft_denoise(daft_frame *frame, daft_error *error);
+size_t daft_denoise_bytes(const daft_renderer *r);
 /* plan.c */
 daft_plan daft_plan_make(const daft_snapshot *snapshot);
 /* Whether what the pencil may see (the instances in its bins) mirrors; and whether it transmits, or shows in a mirror

@@ -109,6 +109,16 @@ typedef struct daft_contrast {
     int outline, crease, inner;
 } daft_contrast;
 
+/* Planes of a picture, to be filtered: a float for each pixel, from row to row `stride` of them; sixteen columns on
+ * either side, and sixteen more on the right, may be read. */
+typedef struct daft_filter {
+    ptrdiff_t stride;
+    int height, step;           /* rows; pixels to the neighbours of a pass */
+    float left, top, focal;     /* the ray of the first pixel, in view space */
+    float *normal[3], *inverse; /* view space; of the depth: 0 where there is nothing to filter */
+    float *from[3], *from_variance, *to[3], *to_variance;
+} daft_filter;
+
 /* What single rays of a pencil see, and the number under which their light is wanted. */
 typedef struct daft_seen_list {
     uint32_t count;
@@ -143,6 +153,11 @@ typedef struct daft_render_kernels {
     /* `words` as above; rgba: the tile's pixels, rows `pixel_stride` pixels apart. */
     void (*mix_corners)(const daft_tile *tile, const daft_corners *corners, const uint32_t *words, size_t stride,
                         const uint8_t *rgba, size_t pixel_stride, daft_mixed *out);
+    /* Of the pixels x.., y..: the squares of their noise, into to_variance; from these from_variance, in which the
+     * inverse of the number of rays is; and one pass of the filter. */
+    void (*filter_noise)(const daft_filter *filter, int x, int y, int width, int height);
+    void (*filter_spread)(const daft_filter *filter, int x, int y, int width, int height);
+    void (*filter_pass)(const daft_filter *filter, int x, int y, int width, int height);
 } daft_render_kernels;
 
 DAFT_KERNEL_DECLARE(daft_render_kernels, daft_render);
@@ -156,6 +171,9 @@ void DAFT_KERNEL(daft_hit_points)(const daft_snapshot *snapshot, const daft_ray_
                                   const daft_hit *hits, uint32_t count, daft_facets *facets, daft_batch *points);
 void DAFT_KERNEL(daft_tile_ids)(const daft_tile *tile, uint32_t *ids, size_t stride);
 void DAFT_KERNEL(daft_find_contrast)(const daft_neighbours *neighbours, const daft_contrast *limit, daft_edges *out);
+void DAFT_KERNEL(daft_filter_noise)(const daft_filter *f, int x0, int y0, int width, int height);
+void DAFT_KERNEL(daft_filter_spread)(const daft_filter *f, int x0, int y0, int width, int height);
+void DAFT_KERNEL(daft_filter_pass)(const daft_filter *f, int x0, int y0, int width, int height);
 void DAFT_KERNEL(daft_find_corners)(const daft_neighbours *neighbours, const daft_contrast *limit,
                                     uint32_t out[DAFT_TILE]);
 void DAFT_KERNEL(daft_match_corners)(const daft_neighbours *neighbours, const daft_tile *tile,

@@ -52,6 +52,23 @@ static const char *shadow_reason(const daft_snapshot *snapshot, const daft_prese
     return "lit points lie under something's bounds, seen from a light";
 }
 
+static bool light_has_size(const daft_snapshot *snapshot)
+{
+    for (uint32_t i = 0; i < snapshot->light_count; i++)
+        if (snapshot->lights[i].casts_shadow && snapshot->lights[i].radius > 0) return true;
+    return false;
+}
+
+static const char *occlusion_reason(const daft_snapshot *s, bool *run)
+{
+    *run = false;
+    if (!(s->occlusion > 0)) return "the scene asks for no ambient occlusion";
+    if (s->preset.occlusion_samples == 0) return "this quality has no ambient occlusion";
+    if (!(s->ambient.x > 0 || s->ambient.y > 0 || s->ambient.z > 0)) return "the scene has no ambient light";
+    *run = some_flag(s, DAFT_INSTANCE_CASTS_SHADOW);
+    return *run ? "a surface is seen" : "nothing visible casts shadows";
+}
+
 static const char *reflection_reason(const daft_snapshot *snapshot, const daft_preset *preset, bool *run)
 {
     *run = false;
@@ -70,6 +87,14 @@ daft_plan daft_plan_make(const daft_snapshot *snapshot)
     why[DAFT_EFFECT_SHADOW] = shadow_reason(snapshot, plan.preset, &plan.shadows);
     none[DAFT_EFFECT_SHADOW] =
         plan.shadows ? "no lit point lies under anything's bounds, seen from a light" : why[DAFT_EFFECT_SHADOW];
+    plan.soft = plan.shadows && plan.preset->shadow_samples > 0 && light_has_size(snapshot);
+    why[DAFT_EFFECT_OCCLUSION] = occlusion_reason(snapshot, &plan.occlusion);
+    none[DAFT_EFFECT_OCCLUSION] = plan.occlusion ? "no surface is seen" : why[DAFT_EFFECT_OCCLUSION];
+    plan.denoise = (plan.soft || plan.occlusion) && plan.preset->denoise && plan.preset->samples == 1;
+    why[DAFT_EFFECT_DENOISE] = "light is sampled";
+    none[DAFT_EFFECT_DENOISE] = plan.denoise                     ? "no sampled light is seen"
+                                : !(plan.soft || plan.occlusion) ? "no light is sampled"
+                                                                 : "this quality does not denoise";
     why[DAFT_EFFECT_LIGHTING] = "a lit surface is seen";
     none[DAFT_EFFECT_LIGHTING] =
         snapshot->light_count ? "no surface that faces a light is seen" : "the scene has no light";

@@ -2,7 +2,7 @@
  * Promises: reads only the snapshot; the same snapshot gives the same bytes for any number of threads and any
  * instruction set; what the scene does not call for is not run, and the counters say so.
  *
- * Public headers: render.h Inner headers: internal.h kernels.h
+ * Public headers: render.h Inner headers: internal.h kernels.h denoise.h
  *
  * The snapshot is flat arrays in frame space: world axes, origin at the camera, floats. The caller rebases (in double).
  */
@@ -18,11 +18,14 @@
 /* A quality is data: nothing else in the engine switches on its name. A view may replace single values. */
 typedef struct daft_preset {
     const char *name;
-    int samples;          /* per pixel */
-    int edge_samples;     /* more of them where a pixel differs from its neighbours */
-    int mirror_depth;     /* mirror bounces followed; 0: none */
-    int refraction_depth; /* surfaces that a path which passes through some may meet */
-    float min_weight;     /* mirrored and refracted rays that weigh less in the pixel in all colours are not cast */
+    int samples;           /* per pixel */
+    int edge_samples;      /* more of them where a pixel differs from its neighbours */
+    int mirror_depth;      /* mirror bounces followed; 0: none */
+    int refraction_depth;  /* surfaces that a path which passes through some may meet */
+    float min_weight;      /* mirrored and refracted rays that weigh less in the pixel in all colours are not cast */
+    int shadow_samples;    /* rays to a light that has a size; 0: its shadows are sharp */
+    int occlusion_samples; /* rays around a point, where the scene asks for ambient occlusion; 0: none */
+    bool denoise;          /* filters what is sampled, where a pixel has one sample */
     bool shadows;
     bool reference; /* camera rays alone through the BVH */
 } daft_preset;
@@ -30,6 +33,23 @@ typedef struct daft_preset {
 const daft_preset *daft_quality_preset(daft_quality quality);
 
 typedef struct daft_renderer daft_renderer; /* scratch memory that outlives a frame */
+
+/* What a series of pictures remembers of sampled light (reuse.c): of each pixel the fraction that arrived, the inverse
+ * of the depth, over how many pictures, and whose surface it was (0: nothing was sampled). All zero: nothing yet. */
+typedef struct daft_past_pixel {
+    float ratio[3], inverse, length;
+    uint32_t entity;
+} daft_past_pixel;
+
+typedef struct daft_past {
+    bool some; /* of a picture before */
+    int now;   /* the pixels of that picture; the others are for the one at work */
+    int width, height;
+    daft_past_pixel *pixels[2];
+    size_t capacity[2];
+} daft_past;
+
+void daft_past_free(daft_past *past, const daft_allocator *allocator);
 
 typedef struct daft_snapshot {
     int width, height;
@@ -48,11 +68,14 @@ typedef struct daft_snapshot {
     const daft_light_source *lights;
     uint32_t light_count;
     daft_vec3 ambient;
+    float occlusion; /* metres within which what stands around keeps ambient light away; 0: nothing does */
+    uint32_t seed;   /* of what is sampled */
     daft_sky sky;
     /* From frame space to the view space of the picture before, of what each instance shows and, last, of the sky's
      * directions; NULL: there was none. */
     const daft_affine *before;
     float before_focal;
+    daft_past *past; /* read and, unless this is a band, written while the picture is drawn; NULL: none */
 } daft_snapshot;
 
 /* Arrays of width·height or NULL; ids index the snapshot's instances, UINT32_MAX for the sky. See daft_aov. */

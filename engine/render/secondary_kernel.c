@@ -175,4 +175,7 @@ const daft_render_kernels DAFT_KERNEL(daft_render) = {.surfaces = DAFT_KERNEL(da
                                                       .contrast = DAFT_KERNEL(daft_find_contrast),
                                                       .corners = DAFT_KERNEL(daft_find_corners),
                                                       .match_corners = DAFT_KERNEL(daft_match_corners),
-                                                      .mix_corners = DAFT_KERNEL(daft_mix_corners)};
+                                                      .mix_corners = DAFT_KERNEL(daft_mix_corners),
+                                                      .filter_noise = DAFT_KERNEL(daft_filter_noise),
+                                                      .filter_spread = DAFT_KERNEL(daft_filter_spread),
+                                                      .filter_pass = DAFT_KERNEL(daft_filter_pass)};

@@ -9,6 +9,8 @@ typedef struct placed {
 } placed;
 
 struct daft_history {
+    daft_past past; /* of the renderer */
+    uint32_t pictures;
     daft_allocator allocator;
     const daft_scene *scene; /* of the last picture; NULL: there was none */
     daft_dvec3 origin;
@@ -36,13 +38,14 @@ void daft_history_destroy(daft_history *history)
 {
     if (!history) return;
     daft_allocator allocator = history->allocator;
+    daft_past_free(&history->past, &allocator);
     daft_release(&allocator, history->items);
     daft_release(&allocator, history);
 }
 
 void daft_history_forget(daft_history *history)
 {
-    if (history) history->scene = NULL;
+    if (history) history->scene = NULL, history->past.some = false;
 }
 
 /* Where the picture before had it, or where it is if that picture did not have it. */
@@ -126,7 +129,7 @@ static bool remember(daft_history *h, const daft_scene *scene, const daft_view *
     h->count = s->instance_count;
     h->origin = view->camera.position, h->fov = view->camera.fov;
     h->right = s->right, h->up = s->up, h->forward = s->forward;
-    h->scene = scene;
+    h->scene = scene, h->pictures++;
     return true;
 }
 
@@ -134,8 +137,10 @@ bool daft_history_take(daft_history *history, const daft_scene *scene, const daf
                        daft_error *error)
 {
     daft_snapshot *s = &frame->snapshot;
-    s->before = NULL;
+    s->before = NULL, s->past = NULL, s->seed = 0;
     if (!history) return true;
+    if (history->scene != scene) history->past.some = false;
+    s->past = &history->past, s->seed = history->pictures;
     if (history->scene == scene && !look_back(history, view->camera.position, s, &frame->lights, error)) return false;
     return s->row_count < s->height || remember(history, scene, view, s, error);
 }

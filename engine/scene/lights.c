@@ -104,6 +104,17 @@ void daft_scene_set_ambient(daft_scene *scene, daft_vec3 color)
     if (color_or_warn(scene, "the ambient light's color", color)) scene->ambient = color;
 }
 
+void daft_scene_set_ambient_occlusion(daft_scene *scene, float distance)
+{
+    static const char name[] = "the distance of ambient occlusion";
+    if (!daft_scene_ready_or_warn(scene, name)) return;
+    if (distance >= 0 && distance <= 1e6f)
+        scene->occlusion = distance;
+    else
+        daft_warn_at(&scene->engine->log, DAFT_ERROR_ARGUMENT, NULL, 0, 0,
+                     "left as it was: %s is %g; it must be 0 to 1e6", name, (double)distance);
+}
+
 daft_sky_item *daft_sky_item_read(const daft_scene *scene, const char *path, daft_error *error)
 {
     daft_sky_item *item = daft_alloc_zero(scene->allocator, 1, sizeof *item);

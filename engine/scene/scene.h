@@ -203,6 +203,7 @@ struct daft_scene {
     daft_light_def *lights;
     size_t light_capacity;
     daft_vec3 ambient;
+    float occlusion; /* metres; 0: none */
     daft_sky sky;
     daft_sky_item *sky_item; /* NULL: no image */
 

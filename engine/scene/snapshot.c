@@ -26,6 +26,7 @@ static bool make_light(const daft_light_def *def, daft_dvec3 origin, daft_light_
     *light =
         (daft_light_source){.sun = def->kind == DAFT_LIGHT_SUN, .casts_shadow = def->casts_shadow, .color = def->color};
     if (def->kind == DAFT_LIGHT_SPOT) set_cone(def, light);
+    light->radius = light->sun ? (float)daft_tan((double)def->disc) : def->radius;
     if (light->sun)
         light->to_light = towards_light(def->direction);
     else
@@ -59,6 +60,9 @@ static daft_preset choose_preset(const daft_view *view)
     if (view->refraction_depth >= 0) preset.refraction_depth = view->refraction_depth;
     if (view->min_weight >= 0) preset.min_weight = view->min_weight;
     if (view->shadows >= 0) preset.shadows = view->shadows > 0;
+    if (view->shadow_samples >= 0) preset.shadow_samples = view->shadow_samples;
+    if (view->occlusion_samples >= 0) preset.occlusion_samples = view->occlusion_samples;
+    if (view->denoise >= 0) preset.denoise = view->denoise > 0;
     preset.reference |= view->reference;
     return preset;
 }
@@ -80,6 +84,7 @@ bool daft_snapshot_fill(daft_scene *scene, const daft_view *view, int width, int
     s->preset.reference |= scene->engine->accel == DAFT_ACCEL_KDTREE;
     s->intersection = view->intersection;
     s->ambient = ambient_of(scene, view);
+    s->occlusion = view->without & DAFT_WITHOUT_SHADING ? 0 : scene->occlusion;
     s->sky = scene->sky;
     daft_camera_axes(&view->camera, &s->right, &s->up, &s->forward);
     return fill_lights(scene, view, frame, error);

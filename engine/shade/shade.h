@@ -40,6 +40,7 @@ typedef struct daft_light_source {
     daft_vec3 to_light; /* sun and spot: unit, against its direction */
     daft_vec3 color;
     bool spot;
+    float radius;                  /* metres; of a sun the tangent of half the angle that it spans; 0: sharp shadows */
     float cone_cosine, cone_scale; /* spot: cosine of the outer angle; 1 / (cosine of the inner angle - cone_cosine) */
 } daft_light_source;
 

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SCALE, VISIBILITY, SAMPLES, EDGES, SHADOWS, MIRRORS, REFRACTION, WEIGHT, REFERENCE };
+enum { SCALE, VISIBILITY, SAMPLES, EDGES, SHADOWS, SOFT, OCCLUSION, DENOISE, MIRRORS, REFRACTION, WEIGHT, REFERENCE };
 
 static const knob_row TABLE[KNOBS] = {
     [SCALE] = {"scale", "sides of the drawn picture, relative to the shown one; bilinear between", {0.5, 0.75, 1}, 3},
@@ -19,6 +19,9 @@ static const knob_row TABLE[KNOBS] = {
                {0, 4, 16},
                3},
     [SHADOWS] = {"shadows", "0: none, 1: of every light", {0, 1}, 2},
+    [SOFT] = {"shadow_samples", "rays to a light that has a size; 0: sharp shadows", {0, 1, 4, 16}, 4},
+    [OCCLUSION] = {"occlusion_samples", "rays around a point, where the scene has ambient occlusion", {0, 1, 4, 16}, 4},
+    [DENOISE] = {"denoise", "0: not, 1: what is sampled is filtered", {0, 1}, 2},
     [MIRRORS] = {"mirror_depth", "mirror bounces followed", {0, 1, 2, 4, 8}, 5},
     [REFRACTION] = {"refraction_depth", "surfaces that a path through transparent ones may meet", {0, 2, 6, 12, 24}, 5},
     [WEIGHT] = {"min_weight",
@@ -41,6 +44,9 @@ void knob_apply(knob_set *set, size_t index, double value)
     case SAMPLES: v->samples = (int)value; break;
     case EDGES: v->edge_samples = (int)value; break;
     case SHADOWS: v->shadows = (int)value; break;
+    case SOFT: v->shadow_samples = (int)value; break;
+    case OCCLUSION: v->occlusion_samples = (int)value; break;
+    case DENOISE: v->denoise = (int)value; break;
     case MIRRORS: v->mirror_depth = (int)value; break;
     case REFRACTION: v->refraction_depth = (int)value; break;
     case WEIGHT: v->min_weight = (float)value; break;
@@ -70,7 +76,10 @@ static bool in_range(size_t index, double value)
     case SCALE: return value >= 0.1 && value <= 1;
     case SAMPLES: return value == 1 || value == 4 || value == 16;
     case EDGES: return value == 0 || value == 4 || value == 16;
+    case SOFT:
+    case OCCLUSION: return whole && value >= 0 && value <= 64;
     case SHADOWS:
+    case DENOISE:
     case REFERENCE: return value == 0 || value == 1;
     case WEIGHT: return value >= 0 && value <= 1;
     default: return whole && value >= 0 && value <= 32;

@@ -157,6 +157,7 @@ static bool render(game_state *state, daft_image *picture, float alpha)
     view.camera = daft_scene_camera(state->scene, alpha);
     view.alpha = alpha;
     view.quality = state->def.quality;
+    view.history = state->def.history;
     view.progress = keep_drawing;
     view.progress_user = state->scripts.dog;
     daft_error error;

@@ -23,6 +23,7 @@ typedef struct game_def {
     uint64_t seed;
     recording *replay;        /* or NULL; must outlive the game */
     recorder *record;         /* or NULL; must outlive the game */
+    daft_history *history;    /* of pictures that follow each other on a screen; or NULL; must outlive the game */
     double seconds;           /* one call into the game may take; 0: WATCHDOG_SECONDS */
     int (*asked)(void *user); /* whether the game is to stop: see watchdog_def. May be NULL */
     void *user;

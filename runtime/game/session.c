@@ -22,6 +22,7 @@ typedef struct session {
     recording replay;
     recorder *record;
     daft_image *picture;
+    daft_history *history;
     loop clock;
     uint64_t last_ns;
     bool left, closed, overlay, reported;
@@ -308,6 +309,8 @@ static bool run(session *s, daft_error *error)
     if (!open_files(s, error)) return false;
     stop_set_act(end_early, s);
     const session_def *def = s->def;
+    s->history = daft_history_create(def->engine, error);
+    if (!s->history) return false;
     game_def play = {.where = def->where,
                      .info = s->info,
                      .source = s->source,
@@ -317,6 +320,7 @@ static bool run(session *s, daft_error *error)
                      .seed = def->replay ? s->replay.seed : def->seed,
                      .replay = def->replay ? &s->replay : NULL,
                      .record = s->record,
+                     .history = s->history,
                      .seconds = def->seconds,
                      .asked = asked,
                      .user = s};
@@ -357,6 +361,7 @@ session_end session_play(const session_def *def, const game_info *info, daft_err
     if (!leave(&s, good ? error : NULL)) good = false;
     bool failed = s.play.failed && (def->screen->headless || s.play.over);
     if (s.play.scene || s.play.scripts.L) game_close(&s.play);
+    daft_history_destroy(s.history);
     daft_engine_set_files(def->engine, NULL, NULL);
     source_close(&own);
     recorder_free(s.record);

@@ -3,10 +3,12 @@
 
 #include <string.h>
 
-/* A copy, for a tile at the border of the picture or the band: beyond the picture its last pixels again. */
+/* A copy, for a tile at the border of the picture or the band: beyond the picture or
+ * the apron its last pixels again. */
 static void gather(const daft_frame *frame, const daft_tile *tile, uint32_t around[2][DAFT_TILE + 2][DAFT_TILE + 2])
 {
-    const int last_x = frame->snapshot->width - 1, last_y = frame->snapshot->height - 1;
+    const daft_snapshot *s = frame->snapshot;
+    const int last_x = s->width - 1, last_y = daft_min_i(s->height, s->first_row + s->row_count + DAFT_TILE) - 1;
     const int first = tile->x > 0 ? -1 : 0, end = daft_min_i(DAFT_TILE + 1, last_x + 1 - tile->x);
     for (int y = -1; y <= DAFT_TILE; y++) {
         const int row = daft_min_i(daft_max_i(tile->y + y, 0), last_y), x = tile->x + first;

@@ -23,8 +23,9 @@ void daft_tile_surfaces(tile_job *j, const daft_pencil *pencil, const daft_seen_
     daft_scratch *s = j->s;
     const daft_surfaces_def def = {.snapshot = frame->snapshot,
                                    .pencil = pencil,
-                                   .shadows = frame->plan.shadows,
-                                   .distance = frame->target->aov.depth || frame->target->aov.motion};
+                                   .shadows = frame->plan.shadows || frame->plan.occlusion,
+                                   .distance =
+                                       frame->target->aov.depth || frame->target->aov.motion || frame->plan.denoise};
     if (list)
         j->r->kernels->listed_surfaces(&def, list, &s->facets, &s->points, &s->sky);
     else
@@ -32,27 +33,43 @@ void daft_tile_surfaces(tile_job *j, const daft_pencil *pencil, const daft_seen_
     if (s->points.count) ran(j, DAFT_EFFECT_SURFACE);
 }
 
-static void light_points(tile_job *j, daft_batch *points)
+static bool is_soft(const tile_job *j, const daft_light_source *light)
+{
+    return j->frame->plan.soft && light->casts_shadow && light->radius > 0;
+}
+
+/* `seen`: by pixels themselves, the sampled light of which may be filtered. */
+static void light_points(tile_job *j, daft_batch *points, bool seen)
 {
     const daft_snapshot *snapshot = j->snapshot;
     const daft_vec3 *first = &snapshot->ambient;
+    if (j->s->sampled) j->s->sampled->some = false;
     if (points->traits & DAFT_TRAIT_TEXTURE) {
         j->r->shade->albedo(points, snapshot->materials, snapshot->textures);
         ran(j, DAFT_EFFECT_TEXTURE);
         book(j, DAFT_EFFECT_TEXTURE);
     }
+    if (j->frame->plan.occlusion && points->count) daft_tile_occlusion(j, points), first = NULL;
     for (uint32_t i = 0; i < snapshot->light_count; i++) {
         const daft_light_source *light = &snapshot->lights[i];
         if (j->r->shade->facing(points, light, j->s->lit) == 0) continue;
         ran(j, DAFT_EFFECT_LIGHTING);
         book(j, DAFT_EFFECT_LIGHTING);
-        if (j->frame->plan.shadows && light->casts_shadow) daft_tile_shadows(j, points, light);
+        const bool soft = is_soft(j, light);
+        if (j->frame->plan.shadows && light->casts_shadow && !soft) daft_tile_shadows(j, points, light);
         const daft_lanes3 *passed =
             j->frame->plan.tints && light->casts_shadow ? daft_tile_tints(j, points, light) : NULL;
-        j->r->shade->direct_light(points, snapshot->materials, light, j->s->lit, passed, first);
+        if (soft && first) j->r->shade->ambient(points, snapshot->materials, *first);
+        if (soft)
+            daft_tile_soft_light(j, points, i, passed);
+        else
+            j->r->shade->direct_light(points, snapshot->materials, light, j->s->lit, passed, first);
         first = NULL;
     }
     if (first) j->r->shade->ambient(points, snapshot->materials, *first);
+    const bool sampled = j->s->sampled && j->s->sampled->some, filtered = j->frame->plan.denoise && !j->refines;
+    if (sampled && filtered) daft_denoise_take(j, points, seen);
+    if (sampled && !filtered) daft_tile_add_sampled(j->s->sampled, points);
     book(j, DAFT_EFFECT_LIGHTING);
 }
 
@@ -75,7 +92,7 @@ static void shade_visible(tile_job *j)
     const daft_shade_kernels *kernels = j->r->shade;
     daft_batch *points = &s->points;
     const daft_ray_batch *sky = &s->sky;
-    if (points->count) light_points(j, points);
+    if (points->count) light_points(j, points, true);
     daft_tile_aov_albedo(j);
     if (!j->refines && sky->count == 0 && s->tile.width == DAFT_TILE && !(points->traits & DAFT_TRAIT_SENDS)) {
         j->color = &points->light;
@@ -98,7 +115,7 @@ void daft_tile_shade(tile_job *j)
     shade_visible(j);
     for (int depth = 0;; depth++) {
         if (depth && points->count) {
-            light_points(j, points);
+            light_points(j, points, false);
             j->r->shade->scatter_add(&s->color, points->pixel, points->count, &points->weight, &points->light);
         }
         daft_tile_spawn(j, points, depth);
@@ -148,17 +165,19 @@ void daft_render_tile(void *context, uint32_t index, uint32_t worker)
                   .number = frame->first_tile + index,
                   .worker = worker,
                   .since = daft_clock_ticks()};
+    if (frame->plan.denoise) daft_denoise_begin(&j);
     daft_tile_see(&j);
     daft_tile_surfaces(&j, &frame->pencil, NULL);
     if (frame->sample == 0) daft_tile_aov(&j);
     daft_cost_see(&j);
+    if (frame->plan.denoise) daft_denoise_see(&j);
     if (frame->edge_scale) keep_seen(&j);
     book(&j, DAFT_EFFECT_SURFACE);
     if (daft_tile_is_plain(&j)) {
         daft_tile_fill_plain(&j);
     } else {
         daft_tile_shade(&j);
-        daft_tile_resolve(&j);
+        if (!frame->plan.denoise || !daft_denoise_keep(&j)) daft_tile_resolve(&j);
     }
     daft_tile_report(frame, worker);
 }

@@ -42,6 +42,8 @@ typedef struct form {
 
 static const daft_field SECONDS = DAFT_ROW(item, time, ZERO_OR_MORE, .unit = "s", .doc = "Time on the path");
 static const daft_field AMBIENT = DAFT_COLOR_ROW(item, ambient, ZERO_OR_MORE, .doc = "Light from everywhere");
+static const daft_field OCCLUSION = DAFT_ROW(item, occlusion, FROM(0, 1e6), .unit = "m",
+                                             .doc = "What stands within this distance keeps ambient light away");
 
 /* clang-format off */
 #define NO_STRUCT     DAFT_STRUCT_COUNT, 0, 0
@@ -82,7 +84,8 @@ static const form FORMS[] = {
         FIELD("angle", "outer_angle", .optional = true),
         FIELD("inner", "inner_angle", .optional = true, .fraction = 0.75)}},
     {"ambient", DAFT_ITEM_AMBIENT, NO_STRUCT, {
-        FIELD("r g b", NULL, .own = &AMBIENT)}},
+        FIELD("r g b", NULL, .own = &AMBIENT),
+        FIELD("occlusion", NULL, .own = &OCCLUSION, .optional = true)}},
     {"path", DAFT_ITEM_PATH, CAMERA, {
         FIELD("seconds", NULL, .own = &SECONDS),
         FIELD("x y z", "position"),

@@ -27,7 +27,10 @@ typedef struct daft_scene_item {
     union {
         daft_camera camera;
         daft_light_def light;
-        daft_vec3 ambient;
+        struct {
+            daft_vec3 ambient;
+            float occlusion;
+        };
         daft_entity_def entity;
     };
 } daft_scene_item;

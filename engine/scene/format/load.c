@@ -175,7 +175,7 @@ static void commit(loader *load)
         case DAFT_ITEM_CAMERA: daft_camera_insert(scene, &made->camera); break;
         case DAFT_ITEM_PATH: daft_path_insert(scene, &(daft_checkpoint){made->camera, made->time}); break;
         case DAFT_ITEM_LIGHT: daft_light_insert(scene, &made->light); break;
-        case DAFT_ITEM_AMBIENT: scene->ambient = made->ambient; break;
+        case DAFT_ITEM_AMBIENT: scene->ambient = made->ambient, scene->occlusion = made->occlusion; break;
         case DAFT_ITEM_SPHERE:
         case DAFT_ITEM_MESH: daft_entity_insert(scene, &made->entity, DAFT_NONE, NULL); break;
         case DAFT_ITEM_SKYBOX:

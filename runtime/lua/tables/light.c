@@ -120,7 +120,11 @@ static int valid(lua_State *L, host *h)
 
 static int ambient(lua_State *L, host *h)
 {
-    daft_scene_set_ambient(h->def.scene, api_color(L, h, 1, "color"));
+    const daft_vec3 color = api_color(L, h, 1, "color");
+    const float occlusion = lua_isnoneornil(L, 2) ? 0 : api_float(L, h, 2, "occlusion");
+    if (occlusion < 0 || occlusion > 1e6f) api_wrong(L, h, 2, "occlusion", "0 to 1e6 metres");
+    daft_scene_set_ambient(h->def.scene, color);
+    daft_scene_set_ambient_occlusion(h->def.scene, occlusion);
     return 0;
 }
 
@@ -158,7 +162,9 @@ static const api_function FUNCTIONS[] = {
     {"light:shadow", "(on)", "Whether entities cast shadows in it.", set_shadow, API_CHANGES},
     {"light:destroy", "()", "Puts it out for good.", destroy, API_CHANGES},
     {"light:valid", "() -> boolean", "False once it has been destroyed.", valid, 0},
-    {"ambient", "(color)", "Light from everywhere.", ambient, API_CHANGES},
+    {"ambient", "(color [, occlusion])",
+     "Light from everywhere; what stands within so many metres of a surface keeps it away (ambient occlusion).",
+     ambient, API_CHANGES},
     {"sky.color", "(color)", "The same sky everywhere.", sky_color, API_CHANGES},
     {"sky.gradient", "(zenith, horizon)", "A sky from one colour above to another at the horizon.", sky_gradient,
      API_CHANGES},

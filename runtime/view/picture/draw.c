@@ -163,7 +163,7 @@ bool draw_scene(daft_scene *scene, const view_look *look, pixel_channels *channe
     draw_set_view(look, &view);
     if (wanted && !allocate(channels, daft_image_width(target), daft_image_height(target), error)) return false;
     if (wanted) view.aov = channels->arrays;
-    if (look->channel == VIEW_MOTION) view.history = channels->history;
+    view.history = channels->history;
     if (!shaded && look->channel != VIEW_COST)
         view.quality = DAFT_QUALITY_DRAFT, view.without = DAFT_WITHOUT_SHADING; /* only channels are looked at */
     if (!daft_render(scene, &view, target, error)) return false;

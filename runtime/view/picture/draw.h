@@ -31,7 +31,7 @@ typedef struct view_look {
 typedef struct pixel_channels {
     int width, height;
     daft_aov arrays;
-    daft_history *history; /* of the pictures of VIEW_MOTION */
+    daft_history *history; /* of the pictures that were shown */
 } pixel_channels;
 
 /* Camera and what is left out. */

@@ -294,6 +294,7 @@ int main(int argc, char **argv)
     bench_trees(&self);
     bench_sim_shapes(&self);
     bench_sim(&self);
+    bench_denoise(&self);
     bench_growth(&self);
     bench_accuracy(&self);
     bench_sim_accuracy(&self);

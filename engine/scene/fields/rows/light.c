@@ -24,6 +24,10 @@ static const daft_field ROWS[] = {
     ROW(outer_angle, .unit = "rad", FROM(DAFT_ABOVE_ZERO, DAFT_PI_FLOAT), .initial = {DAFT_PI / 6}, .kinds = SPOT,
         .lua = "angle", .flags = DAFT_FIELD_HASHED_USED,
         .doc = "None of its light is beyond this angle of the direction"),
+    ROW(radius, .unit = "m", FROM(0, 1e6), .kinds = POINT | SPOT, .lua = "radius", .scene = "radius",
+        .doc = "Of the ball that glows, for soft shadows; 0: a point, whose shadows are sharp"),
+    ROW(disc, .unit = "rad", FROM(0, DAFT_PI_FLOAT / 4), .kinds = SUN, .lua = "disc", .scene = "disc",
+        .doc = "Half the angle that its disc spans, for soft shadows; 0: they are sharp"),
 };
 
 const daft_field_list daft_light_fields = DAFT_FIELD_LIST(daft_light_def, ROWS);

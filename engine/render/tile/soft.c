@@ -1,0 +1,196 @@
+/* Light that is sampled: shadows of lights that have a size, and how much of the surroundings a point sees (ambient
+ * occlusion). Each point casts some rays, to places on the light or over its hemisphere, and counts those that nothing
+ * stops. Places lie on a spiral of the golden angle (Vogel, "A better way to construct the sunflower head",
+ * Mathematical Biosciences 44, 1979), turned by an angle of its own at each pixel; the angles of neighbours differ as
+ * much as they can (the R2 sequence: Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences", 2018), so that
+ * what is left of noise is fine and even. All of it in whole numbers, so that it is the same everywhere.
+ *
+ * What sampled light adds is kept apart: all of it as it would be if nothing were in its way (whole), and what arrives
+ * (arrived), so that their ratio can be filtered without blurring anything else. */
+#include "render/tile/tile.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { STREAM = 256 }; /* rays that are asked together */
+
+/* The numbers of the R2 sequence, and of the golden ratio, as fractions of 2^32. */
+#define R2_X   3242174889u
+#define R2_Y   2447445414u
+#define GOLDEN 2654435769u
+
+/* Where in the picture a point of the batch counts, and what tells its samples from those of others: the picture's
+ * sample, how far the path has come, and which light asks. */
+typedef struct dice {
+    uint32_t turn, radius; /* fractions of 2^32 */
+} dice;
+
+static dice throw_dice(const tile_job *j, const daft_batch *points, uint32_t i, uint32_t salt)
+{
+    const uint32_t place = j->refines ? j->s->wanted[points->pixel[i]] : points->pixel[i];
+    const uint32_t x = j->number % daft_tile_columns(j->snapshot) * DAFT_TILE + place % DAFT_TILE,
+                   y = j->number / daft_tile_columns(j->snapshot) * DAFT_TILE + place / DAFT_TILE;
+    const uint32_t moved = GOLDEN * ((uint32_t)j->frame->sample + j->snapshot->seed) + 747796405u * salt;
+    return (dice){x * R2_X + y * R2_Y + moved, x * R2_Y + y * R2_X + 2 * moved};
+}
+
+/* Point `k` of `count` in the unit disc. */
+static void disc_point(const daft_renderer *r, dice d, uint32_t k, uint32_t count, float *x, float *y)
+{
+    const uint32_t turn = d.turn + k * GOLDEN;
+    const float away = sqrtf(((float)k + (float)(d.radius >> 8) * 0x1p-24f) / (float)count);
+    const daft_vec2 unit = r->turns[turn >> (32 - DAFT_TURN_BITS)];
+    *x = unit.x * away, *y = unit.y * away;
+}
+
+/* Two axes across a unit vector (Duff and others, "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017). */
+static void axes_across(daft_vec3 n, daft_vec3 *a, daft_vec3 *b)
+{
+    const float sign = n.z < 0 ? -1.0f : 1.0f, p = -1 / (sign + n.z), q = n.x * n.y * p;
+    *a = daft_v3(1 + sign * n.x * n.x * p, sign * q, -sign * n.x);
+    *b = daft_v3(q, sign + n.y * n.y * p, -n.y);
+}
+
+static daft_vec3 lane(const daft_lanes3 *v, uint32_t i) { return daft_v3(v->x[i], v->y[i], v->z[i]); }
+
+/* ---- rays ---- */
+
+static daft_ray ray_to_light(const tile_job *j, const daft_batch *points, uint32_t i, const daft_light_source *light,
+                             uint32_t k, uint32_t salt)
+{
+    const daft_vec3 from = lane(&points->shadow_origin, i);
+    daft_vec3 to = light->sun ? light->to_light : daft_sub(light->position, from), a, b;
+    const float distance = light->sun ? 1 : sqrtf(daft_dot(to, to));
+    float x, y;
+    if (!(distance > 0)) return (daft_ray){.origin = from, .direction = to, .tmax = 0};
+    axes_across(daft_scale(to, 1 / distance), &a, &b);
+    disc_point(j->r, throw_dice(j, points, i, salt), k, (uint32_t)j->snapshot->preset.shadow_samples, &x, &y);
+    to = daft_add(to, daft_scale(daft_add(daft_scale(a, x), daft_scale(b, y)), light->radius));
+    return (daft_ray){.origin = from, .direction = to, .tmax = light->sun ? INFINITY : 1};
+}
+
+/* More of them where the surface faces (Malley's method: points of the disc, raised to the hemisphere); those that
+ * would enter the facets of a smooth surface are mirrored by them. */
+static daft_ray ray_around(const tile_job *j, const daft_batch *points, uint32_t i, uint32_t k)
+{
+    const daft_vec3 n = lane(&points->normal, i), out = lane(&points->outward, i);
+    daft_vec3 a, b;
+    float x, y;
+    axes_across(n, &a, &b);
+    disc_point(j->r, throw_dice(j, points, i, UINT32_MAX), k, (uint32_t)j->snapshot->preset.occlusion_samples, &x, &y);
+    const float up = sqrtf(fmaxf(0, 1 - x * x - y * y));
+    daft_vec3 to = daft_add(daft_add(daft_scale(a, x), daft_scale(b, y)), daft_scale(n, up));
+    const float under = daft_dot(to, out);
+    if (under < 0) to = daft_sub(to, daft_scale(out, 2 * under));
+    return (daft_ray){.origin = lane(&points->shadow_origin, i), .direction = to, .tmax = j->snapshot->occlusion};
+}
+
+/* Rays that wait to be asked, and whose they are. */
+typedef struct ray_queue {
+    uint32_t count;
+    daft_ray ray[STREAM];
+    uint32_t point[STREAM];
+} ray_queue;
+
+static void ask(tile_job *j, ray_queue *q, daft_effect_kind effect, float each, float *open)
+{
+    uint32_t stopped[STREAM / 32];
+    j->r->accel->occluded_stream(j->frame->tlas, q->ray, q->count, stopped);
+    for (uint32_t i = 0; i < q->count; i++)
+        if (!(stopped[i / 32] >> (i % 32) & 1)) open[q->point[i]] += each;
+    j->s->rays_cast[effect] += q->count;
+    q->count = 0;
+}
+
+/* What fraction of the light's rays, or with NULL of those around, arrives at each point of the bits. */
+static void sample(tile_job *j, const daft_batch *points, const daft_light_source *light, uint32_t salt,
+                   const uint32_t *bits, float *open)
+{
+    const daft_effect_kind effect = light ? DAFT_EFFECT_SHADOW : DAFT_EFFECT_OCCLUSION;
+    const daft_preset *preset = &j->snapshot->preset;
+    const uint32_t rays = (uint32_t)(light ? preset->shadow_samples : preset->occlusion_samples);
+    ray_queue q;
+    q.count = 0;
+    memset(open, 0, points->count * sizeof *open);
+    for (uint32_t k = 0; k < rays; k++) {
+        daft_cost_add_some(j, points->pixel, bits, points->count);
+        for (uint32_t i = 0; i < points->count; i++) {
+            if (!(bits[i / 32] >> (i % 32) & 1)) continue;
+            q.point[q.count] = i;
+            q.ray[q.count++] = light ? ray_to_light(j, points, i, light, k, salt) : ray_around(j, points, i, k);
+            if (q.count == STREAM) ask(j, &q, effect, 1 / (float)rays, open);
+        }
+    }
+    if (q.count) ask(j, &q, effect, 1 / (float)rays, open);
+    ran(j, effect);
+    book(j, effect);
+}
+
+/* ---- light that arrives ---- */
+
+static void begin(daft_sampled_light *s)
+{
+    if (s->some) return;
+    s->some = true;
+    memset(&s->whole, 0, sizeof s->whole);
+    memset(&s->arrived, 0, sizeof s->arrived);
+}
+
+/* What the points' light has become more than it was, with s->open of it, goes to the sampled light. */
+static void move(daft_sampled_light *s, daft_batch *points)
+{
+    float *light[3] = {points->light.x, points->light.y, points->light.z};
+    float *before[3] = {s->before.x, s->before.y, s->before.z}, *whole[3] = {s->whole.x, s->whole.y, s->whole.z},
+          *arrived[3] = {s->arrived.x, s->arrived.y, s->arrived.z};
+    begin(s);
+    for (int c = 0; c < 3; c++)
+        for (uint32_t i = 0; i < points->count; i++) {
+            const float more = light[c][i] - before[c][i];
+            whole[c][i] += more, arrived[c][i] += more * s->open[i];
+            light[c][i] = before[c][i];
+        }
+}
+
+static void keep(daft_sampled_light *s, const daft_batch *points)
+{
+    memcpy(s->before.x, points->light.x, points->count * sizeof(float));
+    memcpy(s->before.y, points->light.y, points->count * sizeof(float));
+    memcpy(s->before.z, points->light.z, points->count * sizeof(float));
+}
+
+void daft_tile_occlusion(tile_job *j, daft_batch *points)
+{
+    const daft_vec3 none = {0, 0, 0};
+    daft_sampled_light *s = j->s->sampled;
+    uint32_t all[DAFT_BATCH_WORDS];
+    for (uint32_t i = 0; i < DAFT_BATCH_WORDS; i++) {
+        const uint32_t left = points->count > 32 * i ? points->count - 32 * i : 0;
+        all[i] = left >= 32 ? UINT32_MAX : (1u << left) - 1;
+    }
+    j->r->shade->ambient(points, j->snapshot->materials, none);
+    keep(s, points);
+    j->r->shade->ambient(points, j->snapshot->materials, j->snapshot->ambient);
+    book(j, DAFT_EFFECT_LIGHTING);
+    sample(j, points, NULL, 0, all, s->open);
+    move(s, points);
+}
+
+void daft_tile_soft_light(tile_job *j, daft_batch *points, uint32_t number, const daft_lanes3 *passed)
+{
+    const daft_light_source *light = &j->snapshot->lights[number];
+    daft_sampled_light *s = j->s->sampled;
+    keep(s, points);
+    j->r->shade->direct_light(points, j->snapshot->materials, light, j->s->lit, passed, NULL);
+    book(j, DAFT_EFFECT_LIGHTING);
+    sample(j, points, light, number, j->s->lit, s->open);
+    move(s, points);
+}
+
+void daft_tile_add_sampled(const daft_sampled_light *s, daft_batch *points)
+{
+    for (uint32_t i = 0; i < points->count; i++) {
+        points->light.x[i] += s->arrived.x[i];
+        points->light.y[i] += s->arrived.y[i];
+        points->light.z[i] += s->arrived.z[i];
+    }
+}

@@ -1,0 +1,352 @@
+/* render: lights with a size, ambient occlusion, and denoising of what they sample. Against the truth in closed form,
+ * by integration, or by many samples. */
+#include "daft.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { WIDTH = 200, HEIGHT = 136, PIXELS = WIDTH * HEIGHT };
+
+typedef struct stage {
+    daft_engine *engine;
+    daft_scene *scene;
+    daft_image *image;
+    daft_view view;
+    daft_vec3 color[PIXELS];
+    float depth[PIXELS];
+    daft_vec3 normal[PIXELS];
+} stage;
+
+static stage *stage_make(int threads, const char *isa)
+{
+    stage *s = calloc(1, sizeof *s);
+    assert_non_null(s);
+    daft_engine_def def = daft_default_engine_def();
+    daft_error error = {0};
+    def.threads = threads, def.isa = isa;
+    assert_non_null(s->engine = daft_engine_create(&def, &error));
+    assert_non_null(s->scene = daft_scene_create(s->engine, &error));
+    assert_non_null(s->image = daft_image_create(s->engine, WIDTH, HEIGHT, &error));
+    s->view = daft_default_view();
+    s->view.aov = (daft_aov){.color = s->color, .depth = s->depth, .normal = s->normal};
+    return s;
+}
+
+static void stage_drop(stage *s)
+{
+    daft_history_destroy(s->view.history);
+    daft_image_destroy(s->image);
+    daft_scene_destroy(s->scene);
+    daft_engine_destroy(s->engine);
+    free(s);
+}
+
+static const daft_counters *draw(stage *s)
+{
+    daft_error error = {0};
+    if (!daft_render(s->scene, &s->view, s->image, &error)) fail_msg("%s", error.message);
+    return daft_scene_counters(s->scene);
+}
+
+static void add(stage *s, daft_entity_def def, float white)
+{
+    daft_error error = {0};
+    daft_material_def m = daft_default_material_def();
+    m.ambient = m.diffuse = (daft_vec3){white, white, white}, m.specular = (daft_vec3){0, 0, 0};
+    def.material = daft_material_create(s->scene, &m, &error);
+    if (!daft_entity_create(s->scene, &def, &error).id) fail_msg("%s", error.message);
+}
+
+static void add_box(stage *s, daft_dvec3 at, daft_vec3 size)
+{
+    daft_entity_def def = daft_default_entity_def();
+    def.shape = DAFT_SHAPE_BOX, def.size = size, def.position = at;
+    add(s, def, 1);
+}
+
+static void add_light(stage *s, daft_light_kind kind, float size)
+{
+    daft_error error = {0};
+    daft_light_def def = daft_default_light_def();
+    def.kind = kind, def.position = (daft_dvec3){0, 4, 0}, def.direction = (daft_vec3){0, -1, 0};
+    def.radius = kind == DAFT_LIGHT_SUN ? 0 : size, def.disc = kind == DAFT_LIGHT_SUN ? size : 0;
+    assert_true(daft_light_create(s->scene, &def, &error).id);
+}
+
+/* Straight down on a floor, 8 m wide at y = 0. */
+static void look_down(stage *s)
+{
+    s->view.camera.position = (daft_dvec3){0, 3, 0};
+    s->view.camera.pitch = 1.5707963f, s->view.camera.fov = 1;
+    s->view.edge_samples = 0;
+}
+
+static daft_dvec3 floor_point(const stage *s, int pixel)
+{
+    /* Looking down with yaw 0: up in the picture is +x, right is +z. */
+    const double scale = 3 / (WIDTH / 2.0 / tan((double)s->view.camera.fov / 2));
+    return (daft_dvec3){(HEIGHT / 2.0 - pixel / WIDTH - 0.5) * scale, 0, (pixel % WIDTH + 0.5 - WIDTH / 2.0) * scale};
+}
+
+/* The part of a unit disc on one side of a chord, `edge` beyond its middle. */
+static double open_disc(double edge)
+{
+    const double d = fmax(-1, fmin(1, edge));
+    return 0.5 + (d * sqrt(1 - d * d) + asin(d)) / 3.14159265358979;
+}
+
+/* A screen at 3.5 m hides what is over x < 0 of the light, at 4 m. */
+static void penumbras_are_the_open_part_of_the_light(void **unused)
+{
+    (void)unused;
+    const daft_light_kind kinds[] = {DAFT_LIGHT_POINT, DAFT_LIGHT_SUN, DAFT_LIGHT_SPOT};
+    for (int k = 0; k < 3; k++) {
+        stage *s = stage_make(2, NULL);
+        look_down(s);
+        daft_scene_set_ambient(s->scene, (daft_vec3){0, 0, 0});
+        add_box(s, (daft_dvec3){0, -0.05, 0}, (daft_vec3){8, 0.1f, 8});
+        add_box(s, (daft_dvec3){-20, 3.5, 0}, (daft_vec3){40, 1e-5f, 40}); /* above the camera */
+        const float size = kinds[k] == DAFT_LIGHT_SUN ? 0.1f : 0.08f;
+        add_light(s, kinds[k], size);
+        s->view.shadow_samples = 64, s->view.denoise = 0;
+        assert_true(draw(s)->effects[DAFT_EFFECT_SHADOW].rays > 64 * PIXELS / 2);
+        double worst = 0, sum = 0;
+        int soft = 0;
+        for (int i = 0; i < PIXELS; i++) {
+            const daft_dvec3 p = floor_point(s, i);
+            const double length = sqrt(p.x * p.x + p.z * p.z + 16),
+                         cosine = kinds[k] == DAFT_LIGHT_SUN ? 1 : 4 / length;
+            /* The plane through the point and the screen's edge cuts the disc, which faces the point, along a chord. */
+            const double norm = sqrt(12.25 + p.x * p.x), off = 0.5 * p.x / norm, along = off / length;
+            const double open = kinds[k] == DAFT_LIGHT_SUN ? open_disc(p.x / (3.5 * tan(0.1)))
+                                                           : open_disc(off / ((double)size * sqrt(1 - along * along)));
+            double falloff = 1;
+            if (kinds[k] == DAFT_LIGHT_SPOT) {
+                const double outer = cos(0.5235987756), t = (4 / length - outer) / (cos(0.3926990817) - outer);
+                falloff = t < 0 ? 0 : t > 1 ? 1 : t * t * (3 - 2 * t);
+            }
+            const double gap = fabs((double)s->color[i].x - open * cosine * falloff);
+            worst = fmax(worst, gap), sum += gap;
+            soft += open > 0.05 && open < 0.95 && falloff > 0;
+        }
+        print_message("kind %d: off by %.3f at most, %.4f in the mean, %d pixels in penumbra\n", k, worst, sum / PIXELS,
+                      soft);
+        assert_true(soft > 300 && worst < 0.08 && sum / PIXELS < 0.008);
+        stage_drop(s);
+    }
+}
+
+/* Beside a wall of height h, at distance d, far along it: rays within reach of the wall are lost. */
+static void occlusion_is_the_open_part_of_the_hemisphere(void **unused)
+{
+    (void)unused;
+    stage *s = stage_make(2, NULL);
+    look_down(s);
+    daft_scene_set_ambient(s->scene, (daft_vec3){1, 1, 1});
+    daft_scene_set_ambient_occlusion(s->scene, 1);
+    add_box(s, (daft_dvec3){0, -0.05, 0}, (daft_vec3){8, 0.1f, 8});
+    add_box(s, (daft_dvec3){-4.5, 1.0, 0}, (daft_vec3){9, 2, 20}); /* its side is at x = 0 */
+    s->view.occlusion_samples = 64, s->view.denoise = 0;
+    assert_true(draw(s)->effects[DAFT_EFFECT_OCCLUSION].ran);
+    double worst = 0, sum = 0;
+    int count = 0;
+    for (int i = 0; i < PIXELS; i++) {
+        const double d = floor_point(s, i).x;
+        if (!(d > 0.02) || d > 1.2) continue;
+        /* Cosine-weighted directions that meet the plane x = 0 within 1 m: u = -direction.x above d. The density of u
+         * is 2/pi sqrt(1 - u²) on the disc's axis. */
+        const double open = d >= 1 ? 1 : 0.5 + (d * sqrt(1 - d * d) + asin(d)) / 3.14159265358979;
+        const double gap = fabs((double)s->color[i].x - open);
+        worst = fmax(worst, gap), sum += gap, count++;
+    }
+    print_message("off by %.3f at most, %.4f in the mean of %d\n", worst, sum / count, count);
+    assert_true(count > 1000 && worst < 0.08 && sum / count < 0.012);
+    stage_drop(s);
+}
+
+/* What the scene does not ask for costs nothing, and changes no byte. */
+static void nothing_is_sampled_that_nobody_asked_for(void **unused)
+{
+    (void)unused;
+    for (int k = 0; k < 3; k++) {
+        stage *s = stage_make(2, NULL);
+        look_down(s);
+        add_box(s, (daft_dvec3){0, -0.05, 0}, (daft_vec3){8, 0.1f, 8});
+        add_box(s, (daft_dvec3){0, 1, 0}, (daft_vec3){1, 1, 1});
+        add_light(s, DAFT_LIGHT_POINT, k == 1 ? 0.2f : 0);
+        if (k == 2) daft_scene_set_ambient_occlusion(s->scene, 2);
+        s->view.shadow_samples = s->view.occlusion_samples = k ? 0 : 8;
+        const daft_counters *c = draw(s);
+        assert_false(c->effects[DAFT_EFFECT_OCCLUSION].ran || c->effects[DAFT_EFFECT_DENOISE].ran);
+        assert_int_equal(c->effects[DAFT_EFFECT_OCCLUSION].rays, 0);
+        assert_true(c->effects[DAFT_EFFECT_SHADOW].rays <= PIXELS);
+        stage_drop(s);
+    }
+    /* sharp shadows are those of a point: with a size and no samples, the same bytes */
+    stage *a = stage_make(1, NULL), *b = stage_make(1, NULL), *both[2] = {a, b};
+    for (int k = 0; k < 2; k++) {
+        look_down(both[k]);
+        add_box(both[k], (daft_dvec3){0, -0.05, 0}, (daft_vec3){8, 0.1f, 8});
+        add_box(both[k], (daft_dvec3){0.3, 1, 0.2}, (daft_vec3){1, 1, 1});
+        add_light(both[k], DAFT_LIGHT_POINT, k ? 0.3f : 0);
+        both[k]->view.shadow_samples = 0;
+        draw(both[k]);
+    }
+    assert_memory_equal(daft_image_pixels(a->image), daft_image_pixels(b->image), 4 * PIXELS);
+    stage_drop(a), stage_drop(b);
+}
+
+/* ---- denoising ---- */
+
+static void furnish(stage *s)
+{
+    daft_error error = {0};
+    if (!daft_scene_load(s->scene, DAFT_ROOT "/assets/scenes/lamps.scene", &error)) fail_msg("%s", error.message);
+    assert_true(daft_scene_get_camera(s->scene, 0, &s->view.camera, &error));
+}
+
+static double distance(const daft_vec3 *a, const daft_vec3 *b)
+{
+    double sum = 0;
+    for (int i = 0; i < PIXELS; i++) {
+        const float u[3] = {a[i].x, a[i].y, a[i].z}, v[3] = {b[i].x, b[i].y, b[i].z};
+        for (int c = 0; c < 3; c++) {
+            const double gap = fmin(1, (double)u[c]) - fmin(1, (double)v[c]);
+            sum += gap * gap;
+        }
+    }
+    return sqrt(sum / (3 * PIXELS));
+}
+
+/* Far closer where rays are few, and no farther off where they are many. */
+static void denoised_is_closer(void **unused)
+{
+    (void)unused;
+    static daft_vec3 truth[PIXELS];
+    stage *s = stage_make(2, NULL);
+    furnish(s);
+    s->view.edge_samples = 0, s->view.denoise = 0;
+    s->view.shadow_samples = s->view.occlusion_samples = 64;
+    draw(s);
+    memcpy(truth, s->color, sizeof truth);
+    double raw[3], filtered[3];
+    for (int k = 0; k < 3; k++) {
+        s->view.shadow_samples = s->view.occlusion_samples = 1 << 2 * k;
+        s->view.denoise = 0, draw(s), raw[k] = distance(s->color, truth);
+        s->view.denoise = 1;
+        assert_true(draw(s)->effects[DAFT_EFFECT_DENOISE].ran);
+        filtered[k] = distance(s->color, truth);
+        print_message("%d samples: error %.4f, denoised %.4f\n", 1 << 2 * k, raw[k], filtered[k]);
+    }
+    assert_true(filtered[0] < 0.45 * raw[0] && filtered[1] < 0.75 * raw[1] && filtered[2] < 1.05 * raw[2]);
+    stage_drop(s);
+}
+
+/* What was found before is carried along with a camera that moves, and forgotten where a cut says so. */
+static void pictures_that_follow_each_other_help(void **unused)
+{
+    (void)unused;
+    static daft_vec3 truth[PIXELS];
+    daft_error error = {0};
+    stage *s = stage_make(2, NULL);
+    furnish(s);
+    s->view.edge_samples = 0, s->view.shadow_samples = s->view.occlusion_samples = 1;
+    assert_non_null(s->view.history = daft_history_create(s->engine, &error));
+    const daft_camera from = s->view.camera;
+    for (int k = 0; k < 12; k++) {
+        s->view.camera = from;
+        s->view.camera.yaw += 0.004f * (float)k, s->view.camera.position.z += 0.02 * k;
+        draw(s);
+    }
+    static daft_vec3 last[PIXELS];
+    memcpy(last, s->color, sizeof last);
+    daft_history_forget(s->view.history);
+    draw(s);
+    const daft_vec3 *alone = s->color;
+    static daft_vec3 single[PIXELS];
+    memcpy(single, alone, sizeof single);
+    daft_history_destroy(s->view.history), s->view.history = NULL;
+    s->view.shadow_samples = s->view.occlusion_samples = 64, s->view.denoise = 0;
+    draw(s);
+    memcpy(truth, s->color, sizeof truth);
+    const double with = distance(last, truth), without = distance(single, truth);
+    print_message("error %.4f after twelve pictures, %.4f alone\n", with, without);
+    assert_true(with < 0.9 * without);
+    stage_drop(s);
+}
+
+/* A ball that was in front leaves no trail on what it hid. */
+static void what_was_hidden_begins_anew(void **unused)
+{
+    (void)unused;
+    daft_error error = {0};
+    stage *s = stage_make(2, NULL), *fresh = stage_make(2, NULL), *both[2] = {s, fresh};
+    daft_entity ball[2];
+    for (int k = 0; k < 2; k++) {
+        look_down(both[k]);
+        daft_scene_set_ambient(both[k]->scene, (daft_vec3){0, 0, 0});
+        add_box(both[k], (daft_dvec3){0, -0.05, 0}, (daft_vec3){8, 0.1f, 8});
+        daft_entity_def def = daft_default_entity_def();
+        def.shape = DAFT_SHAPE_SPHERE, def.radius = 0.5f, def.position = (daft_dvec3){0, 1, k ? 40 : 0};
+        def.casts_shadow = false;
+        ball[k] = daft_entity_create(both[k]->scene, &def, &error);
+        assert_true(ball[k].id);
+        add_light(both[k], DAFT_LIGHT_POINT, 0.3f);
+        both[k]->view.shadow_samples = 4;
+        assert_non_null(both[k]->view.history = daft_history_create(both[k]->engine, &error));
+    }
+    for (int i = 0; i < 5; i++) draw(s), draw(fresh);
+    const daft_transform away = {.position = {0, 1, 40}, .rotation = {0, 0, 0, 1}, .scale = {1, 1, 1}};
+    assert_true(daft_entity_set_transform(s->scene, ball[0], &away, true, &error));
+    draw(s), draw(fresh);
+    for (int i = 0; i < PIXELS; i++) assert_true(fabs((double)s->color[i].x - (double)fresh->color[i].x) < 0.02);
+    stage_drop(s), stage_drop(fresh);
+}
+
+/* The same bytes for any number of threads and any instruction set, as a whole and in bands. */
+static void denoised_pictures_are_the_same_everywhere(void **unused)
+{
+    (void)unused;
+    static uint8_t first[4 * PIXELS];
+    for (int isa = -1; isa < 8; isa++) {
+        static const char *const NAMES[] = {"plain", "sse2", "avx2", "avx512"};
+        daft_engine_def def = daft_default_engine_def();
+        if (isa >= 4) break;
+        def.isa = isa < 0 ? NULL : NAMES[isa];
+        daft_engine *probe = daft_engine_create(&def, NULL);
+        if (!probe) continue; /* this machine or build lacks it */
+        daft_engine_destroy(probe);
+        stage *s = stage_make(isa + 2, def.isa);
+        furnish(s);
+        draw(s);
+        if (isa < 0) memcpy(first, daft_image_pixels(s->image), sizeof first);
+        assert_memory_equal(first, daft_image_pixels(s->image), sizeof first);
+        memset(daft_image_pixels(s->image), 7, 4 * PIXELS);
+        for (int row = 0; row < HEIGHT; row += 32) {
+            s->view.first_row = row, s->view.row_count = row + 32 < HEIGHT ? 32 : 0;
+            draw(s);
+        }
+        assert_memory_equal(first, daft_image_pixels(s->image), sizeof first);
+        stage_drop(s);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(penumbras_are_the_open_part_of_the_light),
+                                       cmocka_unit_test(occlusion_is_the_open_part_of_the_hemisphere),
+                                       cmocka_unit_test(nothing_is_sampled_that_nobody_asked_for),
+                                       cmocka_unit_test(denoised_is_closer),
+                                       cmocka_unit_test(pictures_that_follow_each_other_help),
+                                       cmocka_unit_test(what_was_hidden_begins_anew),
+                                       cmocka_unit_test(denoised_pictures_are_the_same_everywhere)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
