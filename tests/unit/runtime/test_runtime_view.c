@@ -240,10 +240,10 @@ static bool play(bench *b, const char *path, const happening *script, test_platf
 
 static void every_switch_changes_the_picture(void **state)
 {
-    static const happening script[] = {{"i", 0},  {"i", 0}, {"r", 0}, {"t", 0},  {"y", 0}, {"k", 0},
-                                       {"l", 0},  {"x", 0}, {"g", 0}, {"2", 0},  {"3", 0}, {"4", 0},
-                                       {"5", 0},  {"6", 0}, {"1", 0}, {"o", 0},  {"o", 0}, {"home", 0},
-                                       {"f1", 0}, {"h", 0}, {"/", 0}, {"end", 0}};
+    static const happening script[] = {{"i", 0}, {"i", 0},    {"r", 0},  {"t", 0}, {"y", 0}, {"k", 0},
+                                       {"l", 0}, {"x", 0},    {"g", 0},  {"2", 0}, {"3", 0}, {"4", 0},
+                                       {"5", 0}, {"6", 0},    {"7", 0},  {"8", 0}, {"1", 0}, {"o", 0},
+                                       {"o", 0}, {"home", 0}, {"f1", 0}, {"h", 0}, {"/", 0}, {"end", 0}};
     test_platform p;
     daft_error error;
     bench *b = *state;
@@ -251,6 +251,37 @@ static void every_switch_changes_the_picture(void **state)
     for (size_t i = 1; i + 1 < COUNT_OF(script); i++)
         if (!p.pictures[i]) fail_msg("nothing has changed after %s", script[i - 1].what);
     assert_string_equal(p.title, "DAFT: a.scene");
+}
+
+/* What one picture sampled counts in the next. */
+static void pictures_follow_each_other(void **state)
+{
+    static const char SOFT[] = "camera 0 1 0\nambient 0.3 0.3 0.3 2\nlight 3 4 1 1 1 1 radius=0.5\n"
+                               "sphere 5 0 0 1 red.mtl\nsphere 6 0 2 1 red.mtl\n";
+    bench *b = *state;
+    daft_error error;
+    put(b, "soft.scene", SOFT);
+    char path[200];
+    snprintf(path, sizeof path, "%s/soft.scene", b->folder);
+    daft_scene *scene = daft_scene_create(b->engine, &error);
+    daft_image *picture = daft_image_create(b->engine, 160, 90, &error);
+    static uint8_t before[4 * 160 * 90];
+    view_look look = {.camera = daft_default_camera(), .quality = DAFT_QUALITY_GAME};
+    assert_true(scene && picture && daft_scene_load(scene, path, &error));
+    look.camera = daft_scene_camera(scene, 1);
+    for (int with = 0; with < 2; with++) {
+        pixel_channels channels = {.history = with ? daft_history_create(b->engine, &error) : NULL};
+        for (int i = 0; i < 3; i++) {
+            assert_true(draw_scene(scene, &look, &channels, picture, &error));
+            const bool same = memcmp(before, daft_image_pixels(picture), sizeof before) == 0;
+            assert_true(i == 0 || same == !with);
+            memcpy(before, daft_image_pixels(picture), sizeof before);
+        }
+        draw_free(&channels);
+        daft_history_destroy(channels.history);
+    }
+    daft_image_destroy(picture);
+    daft_scene_destroy(scene);
 }
 
 static void escape_leaves(void **state)
@@ -530,6 +561,7 @@ int main(void)
         cmocka_unit_test(rays_go_through_their_pixels),
         cmocka_unit_test(every_key_is_told_once),
         cmocka_unit_test_setup_teardown(every_switch_changes_the_picture, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(pictures_follow_each_other, set_up, tear_down),
         cmocka_unit_test_setup_teardown(escape_leaves, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_saved_file_is_loaded_again, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_snapshot_can_be_repeated_exactly, set_up, tear_down),

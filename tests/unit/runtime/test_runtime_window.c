@@ -29,7 +29,7 @@ typedef struct script_platform {
     platform face;
     const happening *script;
     size_t count, next;
-    uint64_t frame, presented;
+    uint64_t frame, presented, changed, hash;
     int width, height;
     bool hidden;
     bool click; /* the press that follows the move of a click */
@@ -84,7 +84,10 @@ static bool present_script(platform *self, const daft_image *picture, daft_error
 {
     (void)error;
     script_platform *p = (script_platform *)self;
-    p->presented++;
+    const size_t bytes = 4 * (size_t)daft_image_width(picture) * (size_t)daft_image_height(picture);
+    const uint64_t hash = daft_hash(daft_image_pixels((daft_image *)(uintptr_t)picture), bytes, 0);
+    p->changed += p->presented > 0 && hash != p->hash;
+    p->hash = hash, p->presented++;
     p->picture_width = daft_image_width(picture), p->picture_height = daft_image_height(picture);
     memcpy(p->corner, daft_image_pixels((daft_image *)(uintptr_t)picture), 4);
     return true;
@@ -226,6 +229,22 @@ static void a_script_error_is_shown_and_r_reloads(void **unused)
     tear_down();
 }
 
+/* Pictures of a game follow each other: what the one before sampled counts in the next, in quality game. */
+static void pictures_of_soft_light_get_better(void **unused)
+{
+    (void)unused;
+    const happening script[] = {{12, "+escape", 0, 0}};
+    PLAY(script);
+    s.def.quality = DAFT_QUALITY_GAME;
+    assert_int_equal(play("soft"), SESSION_LEFT);
+    assert_true(s.screen.changed >= 8);
+    tear_down();
+    PLAY(script);
+    assert_int_equal(play("soft"), SESSION_LEFT);
+    assert_int_equal(s.screen.changed, 0);
+    tear_down();
+}
+
 static void count_lines(const char *path, const char *wanted, int *count)
 {
     char line[128];
@@ -350,6 +369,7 @@ int main(void)
     const struct CMUnitTest tests[] = {cmocka_unit_test(escape_leaves_and_the_window_closes),
                                        cmocka_unit_test(the_picture_follows_the_window),
                                        cmocka_unit_test(a_script_error_is_shown_and_r_reloads),
+                                       cmocka_unit_test(pictures_of_soft_light_get_better),
                                        cmocka_unit_test(what_is_pressed_is_recorded_and_focus_loss_releases_it),
                                        cmocka_unit_test(a_replay_hands_control_back),
                                        cmocka_unit_test(the_menu_goes_by_keys),
