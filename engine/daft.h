@@ -684,7 +684,7 @@ typedef enum daft_light_kind { DAFT_LIGHT_POINT = 0, DAFT_LIGHT_SUN, DAFT_LIGHT_
 typedef struct daft_light_def {
     uint32_t cookie;
     daft_light_kind kind;
-    daft_dvec3 position; /* point and spot: where; no falloff with distance */
+    daft_dvec3 position; /* point and spot: where */
     daft_vec3 direction; /* sun and spot: where its light travels to, a spot's along its axis; any length but zero */
     daft_vec3 color;     /* linear light, 0 or more; 1 lights a white surface that faces it white */
     bool casts_shadow;
@@ -695,6 +695,9 @@ typedef struct daft_light_def {
     /* Sizes, for soft shadows; 0: the light is a point, and its shadows are sharp. Point and spot: metres; sun:
      * radians, half the angle that its disc spans (the real one has 0.00465), up to pi/4. */
     float radius, disc;
+    /* Point and spot: metres to where its light ends; on the way it falls as (1 - (distance / range)^2)^2. 0: it is
+     * equally bright at any distance. A light that reaches nothing in sight costs next to nothing. */
+    float range;
 } daft_light_def;
 
 /* A white point light at the origin that casts shadows. */

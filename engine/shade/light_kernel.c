@@ -41,6 +41,31 @@ DAFT_INLINE vf cone_falloff(const daft_light_source *source, vf3 l)
     return t * t * (vf_set(3) - vf_set(2) * t);
 }
 
+/* What a light with a range has left: 1 at the light, smoothly down to 0 where it ends. */
+DAFT_INLINE vf range_falloff(const daft_batch *batch, const daft_light_source *source, uint32_t i)
+{
+    const vf3 p = lanes_load(&batch->point, i);
+    const vf3 l = {vf_set(source->position.x) - p.x, vf_set(source->position.y) - p.y,
+                   vf_set(source->position.z) - p.z};
+    const vf left = vf_max(vf_set(1) - vf3_dot(l, l) * vf_set(1 / (source->range * source->range)), vf_set(0));
+    return left * left;
+}
+
+static void extent(const daft_batch *batch, daft_vec3 *low, daft_vec3 *high)
+{
+    const float *const from[3] = {batch->point.x, batch->point.y, batch->point.z};
+    float *const to_low[3] = {&low->x, &low->y, &low->z}, *const to_high[3] = {&high->x, &high->y, &high->z};
+    for (int k = 0; k < 3; k++) {
+        vf min = vf_set(from[k][0]), max = min;
+        for (uint32_t i = 0; i < batch->count; i += DAFT_VL) {
+            const vm some = vm_from_bits(vbits_first_n((int)(batch->count - i)));
+            const vf at = vf_if_then_else(some, vf_load(&from[k][i]), vf_set(from[k][0]));
+            min = vf_min(min, at), max = vf_max(max, at);
+        }
+        *to_low[k] = vf_reduce_min(min), *to_high[k] = vf_reduce_max(max);
+    }
+}
+
 static uint32_t facing(daft_batch *batch, const daft_light_source *source, uint32_t bits[DAFT_BATCH_WORDS])
 {
     uint32_t total = 0;
@@ -51,6 +76,7 @@ static uint32_t facing(daft_batch *batch, const daft_light_source *source, uint3
         vf_store(&batch->cosine[i], cosine);
         vbits lit = vbits_from_mask(vf_lt(vf_set(0), cosine)) & vbits_first_n((int)(batch->count - i));
         if (source->spot && lit) lit &= vbits_from_mask(vf_lt(vf_set(0), cone_falloff(source, l)));
+        if (source->range > 0 && lit) lit &= vbits_from_mask(vf_lt(vf_set(0), range_falloff(batch, source, i)));
         bits[i / 32] |= lit << (i % 32);
         total += (uint32_t)__builtin_popcount(lit);
     }
@@ -93,6 +119,10 @@ static void direct_light(daft_batch *batch, const daft_surface *materials, const
         if (source->spot) {
             vf falloff = cone_falloff(source, direction_to(batch, source, i));
             sum = (vf3){sum.x * falloff, sum.y * falloff, sum.z * falloff};
+        }
+        if (source->range > 0) {
+            const vf left = range_falloff(batch, source, i);
+            sum = (vf3){sum.x * left, sum.y * left, sum.z * left};
         }
         if (arriving) {
             vf3 fraction = lanes_load(arriving, i);
@@ -152,6 +182,7 @@ static void scatter_add(daft_lanes3 *color, const uint32_t *pixel, uint32_t coun
 const daft_shade_kernels DAFT_KERNEL(daft_shade) = {
     .albedo = DAFT_KERNEL(daft_albedo),
     .ambient = ambient,
+    .extent = extent,
     .facing = facing,
     .direct_light = direct_light,
     .sky = DAFT_KERNEL(daft_sky_color),

@@ -40,6 +40,7 @@ typedef struct daft_light_source {
     daft_vec3 to_light; /* sun and spot: unit, against its direction */
     daft_vec3 color;
     bool spot;
+    float range;                   /* metres to where a point light or spot ends; 0: nowhere */
     float radius;                  /* metres; of a sun the tangent of half the angle that it spans; 0: sharp shadows */
     float cone_cosine, cone_scale; /* spot: cosine of the outer angle; 1 / (cosine of the inner angle - cone_cosine) */
 } daft_light_source;
@@ -94,8 +95,10 @@ typedef struct daft_shade_kernels {
     bool (*albedo)(daft_batch *batch, const daft_surface *materials, const daft_texture_data *textures);
     /* light = emission + ambient. */
     void (*ambient)(daft_batch *batch, const daft_surface *materials, daft_vec3 ambient);
-    /* Sets the bits of the points that face the light (their normal's side, and inside a spot's cone) and gives their
-     * number. Sets all points' `cosine`. */
+    /* The least and the largest coordinates of the points, one at least. */
+    void (*extent)(const daft_batch *batch, daft_vec3 *low, daft_vec3 *high);
+    /* Sets the bits of the points that face the light (their normal's side, inside its range and a spot's cone) and
+     * gives their number. Sets all points' `cosine`. */
     uint32_t (*facing)(daft_batch *batch, const daft_light_source *source, uint32_t bits[DAFT_BATCH_WORDS]);
     /* Adds Lambert and Phong of the light that `facing` was called for last, to the points whose bits are set.
      * `arriving`: the fraction of its light that reaches each point, by colour; NULL: all of it. `first`: the ambient

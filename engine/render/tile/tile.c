@@ -3,6 +3,8 @@
  * and refracted rays, the refracted ones wait until the mirrored ones have been followed to their end. */
 #include "render/tile/tile.h"
 
+#include <math.h>
+
 void daft_tile_see(tile_job *j)
 {
     daft_scratch *s = j->s;
@@ -38,6 +40,42 @@ static bool is_soft(const tile_job *j, const daft_light_source *light)
     return j->frame->plan.soft && light->casts_shadow && light->radius > 0;
 }
 
+/* Where a batch's points are: a box, and the ball around it. */
+typedef struct surroundings {
+    daft_vec3 low, high, middle;
+    float radius;
+} surroundings;
+
+static surroundings where(const tile_job *j, const daft_batch *points)
+{
+    surroundings w;
+    j->r->shade->extent(points, &w.low, &w.high);
+    const daft_vec3 half = daft_scale(daft_sub(w.high, w.low), 0.5f);
+    w.middle = daft_add(w.low, half);
+    w.radius = sqrtf(daft_dot(half, half));
+    return w;
+}
+
+static float beyond(float x, float low, float high) { return x < low ? low - x : x > high ? x - high : 0; }
+
+/* False: its range ends, or its cone passes, before all of the points; by more than roundings of either. */
+static bool may_reach(const daft_light_source *light, const surroundings *w)
+{
+    const daft_vec3 p = light->position;
+    if (light->range > 0) {
+        const float x = beyond(p.x, w->low.x, w->high.x), y = beyond(p.y, w->low.y, w->high.y),
+                    z = beyond(p.z, w->low.z, w->high.z);
+        if (x * x + y * y + z * z > light->range * light->range * 1.0001f) return false;
+    }
+    if (!light->spot || light->cone_cosine <= 0.01f) return true;
+    const daft_vec3 to = daft_sub(w->middle, p);
+    const float along = -daft_dot(to, light->to_light), length2 = daft_dot(to, to);
+    const float across = sqrtf(fmaxf(length2 - along * along, 0)), cosine = light->cone_cosine,
+                sine = sqrtf(fmaxf(1 - cosine * cosine, 0));
+    const float slack = w->radius * 1.001f + 1e-3f * sqrtf(length2);
+    return !(across * cosine - along * sine > slack); /* a NaN may reach */
+}
+
 /* `seen`: by pixels themselves, the sampled light of which may be filtered. */
 static void light_points(tile_job *j, daft_batch *points, bool seen)
 {
@@ -50,8 +88,10 @@ static void light_points(tile_job *j, daft_batch *points, bool seen)
         book(j, DAFT_EFFECT_TEXTURE);
     }
     if (j->frame->plan.occlusion && points->count) daft_tile_occlusion(j, points), first = NULL;
+    const surroundings around = where(j, points);
     for (uint32_t i = 0; i < snapshot->light_count; i++) {
         const daft_light_source *light = &snapshot->lights[i];
+        if (!may_reach(light, &around)) continue;
         if (j->r->shade->facing(points, light, j->s->lit) == 0) continue;
         ran(j, DAFT_EFFECT_LIGHTING);
         book(j, DAFT_EFFECT_LIGHTING);

@@ -153,7 +153,8 @@ static int sky_image(lua_State *L, host *h)
 
 static const api_function FUNCTIONS[] = {
     {"light.sun", "{...} -> light", "Light from infinitely far.", sun, API_CHANGES},
-    {"light.point", "{...} -> light", "Light from a point, equally bright at any distance.", point, API_CHANGES},
+    {"light.point", "{...} -> light", "Light from a point, equally bright at any distance unless it has a range.",
+     point, API_CHANGES},
     {"light.spot", "{...} -> light", "A point light that shines into a cone.", spot, API_CHANGES},
     {"light:set", "{...}", "Changes what the table names.", set, API_CHANGES},
     {"light:position", "(x, y, z)", "Moves a point light or a spot.", set_position, API_CHANGES},

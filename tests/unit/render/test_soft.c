@@ -172,6 +172,63 @@ static void occlusion_is_the_open_part_of_the_hemisphere(void **unused)
     stage_drop(s);
 }
 
+/* Many lights of which each reaches little: the sum of what each gives, in double, at every pixel. */
+static void lights_end_where_they_say(void **unused)
+{
+    (void)unused;
+    enum { LIGHTS = 64 };
+    static daft_light_def defs[LIGHTS];
+    static const uint64_t seed = 20261123;
+    uint64_t state = seed;
+    print_message("seed %llu\n", (unsigned long long)seed);
+    stage *s = stage_make(2, NULL);
+    look_down(s);
+    daft_scene_set_ambient(s->scene, (daft_vec3){0, 0, 0});
+    add_box(s, (daft_dvec3){0, -0.05, 0}, (daft_vec3){8, 0.1f, 8});
+    for (int i = 0; i < LIGHTS; i++) {
+        double r[8];
+        for (int k = 0; k < 8; k++) {
+            state = state * 6364136223846793005u + 1442695040888963407u;
+            r[k] = (double)(state >> 40) / (1 << 24);
+        }
+        daft_light_def def = daft_default_light_def();
+        def.kind = i % 2 ? DAFT_LIGHT_SPOT : DAFT_LIGHT_POINT, def.casts_shadow = false;
+        def.position = (daft_dvec3){3 * r[0] - 1.5, 0.1 + 1.5 * r[1], 4 * r[2] - 2};
+        def.direction = (daft_vec3){(float)r[3] - 0.5f, (float)(-0.2 - r[4]), (float)r[5] - 0.5f};
+        def.range = i % 3 == 2 ? 0 : (float)(0.3 + r[6]);
+        def.outer_angle = (float)(0.1 + 1.8 * r[7] * r[7]), def.inner_angle = 0.6f * def.outer_angle;
+        def.color = (daft_vec3){0.5f, 0.5f, 0.5f};
+        defs[i] = def;
+        assert_true(daft_light_create(s->scene, &def, NULL).id);
+    }
+    draw(s);
+    double worst = 0, least = 1e9, most = 0;
+    for (int i = 0; i < PIXELS; i++) {
+        const daft_dvec3 p = floor_point(s, i);
+        double sum = 0;
+        for (int k = 0; k < LIGHTS; k++) {
+            const daft_light_def *d = &defs[k];
+            const double l[3] = {d->position.x - p.x, d->position.y, d->position.z - p.z};
+            const double length = sqrt(l[0] * l[0] + l[1] * l[1] + l[2] * l[2]);
+            double light = 0.5 * l[1] / length;
+            if (d->range > 0) light *= pow(fmax(0, 1 - pow(length / (double)d->range, 2)), 2);
+            if (d->kind == DAFT_LIGHT_SPOT) {
+                const double a[3] = {(double)d->direction.x, (double)d->direction.y, (double)d->direction.z};
+                const double size = sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
+                const double c = -(a[0] * l[0] + a[1] * l[1] + a[2] * l[2]) / size / length,
+                             outer = cos((double)d->outer_angle), inner = cos((double)d->inner_angle);
+                const double t = fmax(0, fmin(1, (c - outer) / (inner - outer)));
+                light *= t * t * (3 - 2 * t);
+            }
+            sum += light;
+        }
+        worst = fmax(worst, fabs(sum - (double)s->color[i].x)), least = fmin(least, sum), most = fmax(most, sum);
+    }
+    print_message("%.3f to %.3f, off by %.6f at most\n", least, most, worst);
+    assert_true(worst < 1e-3 && most > least + 0.5);
+    stage_drop(s);
+}
+
 /* What the scene does not ask for costs nothing, and changes no byte. */
 static void nothing_is_sampled_that_nobody_asked_for(void **unused)
 {
@@ -343,6 +400,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(penumbras_are_the_open_part_of_the_light),
                                        cmocka_unit_test(occlusion_is_the_open_part_of_the_hemisphere),
+                                       cmocka_unit_test(lights_end_where_they_say),
                                        cmocka_unit_test(nothing_is_sampled_that_nobody_asked_for),
                                        cmocka_unit_test(denoised_is_closer),
                                        cmocka_unit_test(pictures_that_follow_each_other_help),

@@ -350,7 +350,7 @@ static const struct {
     {"mesh t.obj 0 0 0 1 90\n", 1, 22, "expected rot_y"},
     {"mesh t.obj 0 0 0 1 0 0 0 0\n", 1, 26, "unexpected '0'"},
     {"light 1 2 3 1 1 1 shadow=perhaps\n", 1, 19, "shadow is 'perhaps'; it must be true or false"},
-    {"light 1 2 3 1 1 1 shdow=off\n", 1, 19, "unknown option 'shdow'; known are shadow, radius"},
+    {"light 1 2 3 1 1 1 shdow=off\n", 1, 19, "unknown option 'shdow'; known are shadow, radius, range"},
     {"light 1 2 3 1 1 1 shadow\n", 1, 19, "unexpected 'shadow'"},
     {"light 1 2 3 shadow=off\n", 1, 13, "expected r (a number)"},
     {"camera 0 0 0 roll=1,2\n", 1, 14, "roll is '1,2'; it must be a number"},

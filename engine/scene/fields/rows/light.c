@@ -10,7 +10,7 @@ static const daft_field ROWS[] = {
     DAFT_CHOICE_ROW(daft_light_def, kind, KINDS, .flags = DAFT_FIELD_HASHED,
                     .doc = "A point, the sun, or a spot: a point light that shines into a cone"),
     ROW(position, .unit = "m", .kinds = POINT | SPOT, .lua = "position", .flags = DAFT_FIELD_HASHED,
-        .doc = "Where it is; the light is equally bright at any distance"),
+        .doc = "Where it is"),
     DAFT_DIRECTION_ROW(daft_light_def, direction, .initial = {0, -1, 0}, .kinds = SUN | SPOT, .lua = "direction",
                        .flags = DAFT_FIELD_HASHED,
                        .doc = "Where its light travels to: a spot's axis; any length but zero"),
@@ -28,6 +28,8 @@ static const daft_field ROWS[] = {
         .doc = "Of the ball that glows, for soft shadows; 0: a point, whose shadows are sharp"),
     ROW(disc, .unit = "rad", FROM(0, DAFT_PI_FLOAT / 4), .kinds = SUN, .lua = "disc", .scene = "disc",
         .doc = "Half the angle that its disc spans, for soft shadows; 0: they are sharp"),
+    ROW(range, .unit = "m", FROM(0, 1e6), .kinds = POINT | SPOT, .lua = "range", .scene = "range",
+        .doc = "Where its light ends, having faded all the way; 0: it is equally bright at any distance"),
 };
 
 const daft_field_list daft_light_fields = DAFT_FIELD_LIST(daft_light_def, ROWS);
