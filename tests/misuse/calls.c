@@ -444,7 +444,13 @@ static const daft_scan_def *give_const_daft_scan_def_p(caller *c)
     def.position.y = 3;
     def.rays = LIST_OF, def.ray_count = 4;
     if (c->bytes) def.pattern = (daft_scan_pattern)(next_byte(c) % 3);
-    return give_struct(c, DAFT_STRUCT_SCAN_DEF, &def, false);
+    const void *given = give_struct(c, DAFT_STRUCT_SCAN_DEF, &def, false);
+    static _Alignas(16) char copy[sizeof def];
+    if (!given) return NULL;
+    memcpy(&def, given, sizeof def);
+    /* A list is as long as its caller says: of a number that is in range the library believes it, and so it is true. */
+    if (def.ray_count > 4 && def.ray_count <= 268435456) def.ray_count = 4;
+    return memcpy(copy, &def, sizeof def);
 }
 
 static const daft_character_def *give_const_daft_character_def_p(caller *c)
