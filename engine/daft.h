@@ -342,6 +342,7 @@ typedef struct daft_material_def {
     float shininess;       /* Ns: Phong exponent, 0..1000 */
     float mirror;          /* 0..1: the weight of the mirrored ray's light, which mirror_tint colours */
     daft_vec3 mirror_tint; /* 1, 1, 1 */
+    float roughness;       /* 0..1: of what mirrors or lets light through; 0: smooth. Its square is GGX's alpha */
     daft_vec3 emission;    /* light it gives off by itself; lights nothing else */
     /* Light that passes through, 0..1: the rest is left to `ambient` and `diffuse`. At each surface Fresnel's equations
      * divide it between a mirrored and a refracted ray. Everything outside closed meshes, and between two of them,
@@ -806,7 +807,8 @@ typedef struct daft_view {
     int shadows;          /* 0: none, 1: of every light; -1: the quality's */
     int shadow_samples;   /* rays to a light that has a size, 1 to 64; 0: its shadows are sharp; -1: the quality's */
     int occlusion_samples; /* rays around each point for ambient occlusion, 1 to 64; 0: none; -1: the quality's */
-    int denoise;           /* 1: filters what is sampled, where a pixel has one sample; 0: not; -1: the quality's */
+    int glossy_samples;    /* rays that a rough surface sends on, 1 to 64; 0: none is rough; -1: the quality's */
+    int denoise;           /* 1: filters what is sampled; 0: not; -1: the quality's */
     daft_intersection intersection;
     bool reference;   /* camera rays alone through the BVH, as in DAFT_QUALITY_REFERENCE */
     int first_row;    /* draws a band of the picture: a multiple of 32 */

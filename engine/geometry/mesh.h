@@ -57,7 +57,7 @@ bool daft_trimesh_smooth(const daft_allocator *allocator, daft_trimesh *mesh, fl
 typedef struct daft_mtl {
     char name[256];
     daft_vec3 ambient, diffuse, specular, emission; /* Ka Kd Ks Ke */
-    float shininess, index, opacity;                /* Ns Ni d */
+    float shininess, index, opacity, roughness;     /* Ns Ni d Pr */
     daft_vec3 filter;                               /* Tf: 0..1 each */
     bool has_filter;                                /* the file names it */
     int illum;

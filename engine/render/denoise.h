@@ -10,6 +10,8 @@ typedef struct daft_seen_pixel {
     daft_vec3 ray;
     uint32_t instance;
     float inverse;
+    float shown; /* the inverse depth of what it shows: its own, or farther, behind a surface that mirrors; 0: the sky
+                  */
 } daft_seen_pixel;
 
 bool daft_past_prepare(daft_past *past, const daft_allocator *allocator, const daft_snapshot *s, daft_error *error);

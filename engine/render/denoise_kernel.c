@@ -95,7 +95,8 @@ void DAFT_KERNEL(daft_filter_noise)(const daft_filter *f, int x0, int y0, int wi
 }
 
 /* The variance of a pixel's light: the mean noise of its neighbours, but no more than that of so many rays that arrive
- * or do not (the inverse of their number stands where the variance will). */
+ * or do not (the inverse of their number stands where the variance will); what mirrored rays bring has no such bound.
+ */
 DAFT_INLINE void spread(const daft_filter *f, int x, int y, ptrdiff_t at)
 {
     const plane p = plane_at(f, x, y, at);
@@ -110,9 +111,10 @@ DAFT_INLINE void spread(const daft_filter *f, int x, int y, ptrdiff_t at)
         }
     }
     mean = mean / weights;
-    const vf chance = vf_max(mean - mean * mean, vf_set(0)) * vf_load(f->from_variance + at);
     const vm known = vf_lt(vf_set(0), p.inverse);
-    vf_store(f->from_variance + at, vf_if_then_else(known, vf_min(sum / weights, chance), vf_set(0)));
+    vf variance = sum / weights;
+    if (!f->reach) variance = vf_min(variance, vf_max(mean - mean * mean, vf_set(0)) * vf_load(f->from_variance + at));
+    vf_store(f->from_variance + at, vf_if_then_else(known, variance, vf_set(0)));
 }
 
 void DAFT_KERNEL(daft_filter_spread)(const daft_filter *f, int x0, int y0, int width, int height)
@@ -130,6 +132,8 @@ DAFT_INLINE void filter(const daft_filter *f, int x, int y, ptrdiff_t at)
              middle = vf_set(0.25f);
     vf3 sum = {own.x * middle, own.y * middle, own.z * middle};
     vf variance = vf_load(f->from_variance + at) * middle * middle, weights = middle;
+    const vf per_reach = f->reach ? vf_set((float)f->step) / vf_max(vf_load(f->reach + at), vf_set(1e-3f)) : vf_set(0);
+    const vf within = vf_clamp01(vf_set(2) - per_reach);
     for (int v = -1; v <= 1; v++) {
         const int dy = v * f->step;
         if (y + dy < 0 || y + dy >= f->height) continue;
@@ -140,7 +144,7 @@ DAFT_INLINE void filter(const daft_filter *f, int x, int y, ptrdiff_t at)
             const vf3 other = load_three(f->from, there);
             const vf gap = luminance(other) - light;
             const vf weight = vf_set(KERNEL[u + 1] * KERNEL[v + 1]) * on_plane(f, &p, dx, dy, there) *
-                              square(limit / (limit + gap * gap));
+                              square(limit / (limit + gap * gap)) * within;
             sum.x += other.x * weight, sum.y += other.y * weight, sum.z += other.z * weight;
             variance += vf_load(f->from_variance + there) * weight * weight, weights += weight;
         }

@@ -53,6 +53,8 @@ void daft_renderer_destroy(daft_renderer *r)
     daft_release(&allocator, r->sample_scratch);
     daft_release(&allocator, r->passed);
     daft_release(&allocator, r->sampled);
+    daft_release(&allocator, r->gloss);
+    daft_release(&allocator, r->third);
     daft_release(&allocator, r->refracted);
     daft_mirrors_free(r);
     daft_release(&allocator, r->sum);
@@ -222,9 +224,9 @@ static bool render_sample(daft_frame *frame, daft_counters *counters, daft_error
         return false;
     counters->effects[DAFT_EFFECT_VISIBILITY].ms += daft_clock_ms() - start;
     choose_rows(frame, apron_of(frame));
-    if (!daft_denoise_prepare(frame, error)) return false;
+    if (frame->sample == 0 && !daft_denoise_prepare(frame, error)) return false;
     daft_parallel_for(r->threads, frame->tile_count, daft_render_tile, frame);
-    if (!daft_denoise(frame, error)) return false;
+    if (frame->sample == s->preset.samples - 1 && !daft_denoise(frame, error)) return false;
     count_bins(r, counters);
     if (atomic_load(&frame->cancelled)) return daft_fail(error, DAFT_ERROR_CANCELLED, "rendering was stopped");
     return true;
@@ -235,6 +237,22 @@ static bool prepare_tints(daft_renderer *r, daft_error *error)
     if (!daft_grow(&r->allocator, &r->passed, &r->passed_capacity, (size_t)r->threads, 0, sizeof *r->passed))
         return daft_fail_memory(error, "the light that comes through");
     for (int i = 0; i < r->threads; i++) r->scratch[i].passed = &r->passed[i];
+    return true;
+}
+
+/* Where rough surfaces send rays on: a batch more if there are several of a point, and what is filtered. */
+static bool prepare_gloss(daft_renderer *r, const daft_plan *plan, daft_error *error)
+{
+    const size_t filtered = plan->glossy && plan->denoise ? (size_t)r->threads : 0,
+                 several = plan->glossy && plan->preset->glossy_samples > 1 ? (size_t)r->threads : 0;
+    if (!daft_grow(&r->allocator, &r->gloss, &r->gloss_capacity, filtered, 0, sizeof *r->gloss) ||
+        !daft_grow(&r->allocator, &r->third, &r->third_capacity, several, 0, sizeof *r->third))
+        return daft_fail_memory(error, "what rough surfaces show");
+    for (int i = 0; i < r->threads; i++) {
+        r->scratch[i].gloss = filtered ? &r->gloss[i] : NULL;
+        r->scratch[i].third = several ? &r->third[i] : NULL;
+        if (filtered) r->gloss[i].some = r->gloss[i].asks = false;
+    }
     return true;
 }
 
@@ -269,9 +287,10 @@ static bool prepare(daft_frame *frame, daft_error *error)
     }
     count_work(frame);
     if (frame->plan.tints && !prepare_tints(r, error)) return false;
-    if (!prepare_sampled(r, frame->plan.soft || frame->plan.occlusion, error)) return false;
+    if (!prepare_sampled(r, frame->plan.samples_light, error)) return false;
+    if (!prepare_gloss(r, &frame->plan, error)) return false;
     if (!prepare_edges(frame, error)) return false;
-    size_t floats = s->preset.samples > 1 ? 3 * (size_t)s->width * (size_t)s->height : 0;
+    size_t floats = s->preset.samples > 1 && !frame->plan.denoise ? 3 * (size_t)s->width * (size_t)s->height : 0;
     if (daft_grow(&r->allocator, &r->sum, &r->sum_capacity, floats, 0, sizeof *r->sum)) return true;
     return daft_fail_memory(error, "the samples of a picture");
 }
@@ -293,8 +312,12 @@ static void count_bytes(const daft_frame *frame, daft_counters *c)
     if (e[DAFT_EFFECT_OCCLUSION].ran) e[DAFT_EFFECT_OCCLUSION].bytes += r->sampled_capacity * sizeof *r->sampled;
     if (e[DAFT_EFFECT_DENOISE].ran) e[DAFT_EFFECT_DENOISE].bytes = daft_denoise_bytes(r);
     if (e[DAFT_EFFECT_REFLECTION].ran) e[DAFT_EFFECT_REFLECTION].bytes += daft_mirrors_bytes(r);
+    if (frame->plan.glossy && (e[DAFT_EFFECT_REFLECTION].ran || e[DAFT_EFFECT_REFRACTION].ran))
+        e[e[DAFT_EFFECT_REFLECTION].ran ? DAFT_EFFECT_REFLECTION : DAFT_EFFECT_REFRACTION].bytes +=
+            r->gloss_capacity * sizeof *r->gloss + r->third_capacity * sizeof *r->third;
     if (e[DAFT_EFFECT_REFRACTION].ran) e[DAFT_EFFECT_REFRACTION].bytes += r->refracted_capacity * sizeof *r->refracted;
-    if (frame->snapshot->preset.samples > 1) e[DAFT_EFFECT_RESOLVE].bytes = r->sum_capacity * sizeof *r->sum;
+    if (frame->snapshot->preset.samples > 1 && !frame->plan.denoise)
+        e[DAFT_EFFECT_RESOLVE].bytes = r->sum_capacity * sizeof *r->sum;
     if (e[DAFT_EFFECT_ANTIALIASING].ran)
         e[DAFT_EFFECT_ANTIALIASING].bytes = r->edge_capacity * sizeof *r->edges + r->id_capacity * sizeof *r->ids +
                                             r->apron_capacity + r->smooth_capacity +

@@ -2,6 +2,7 @@
 #ifndef DAFT_RENDER_INTERNAL_H
 #define DAFT_RENDER_INTERNAL_H
 
+#include "render/dice.h"
 #include "render/kernels.h"
 
 #include <stdatomic.h>
@@ -12,6 +13,8 @@ typedef struct daft_plan {
     bool shadows, may_reflect;                   /* some light casts them onto something; some material mirrors */
     bool denoise;                                /* what they sample is filtered */
     bool soft, occlusion;                        /* some of these shadows are soft; ambient light is occluded */
+    bool samples_light;                          /* either */
+    bool glossy;                                 /* some material that mirrors or transmits is rough */
     bool tints, may_refract;                     /* some of these shadows let light through; some material transmits */
     bool reflects, refracts;                     /* of the running sample: what is seen may send such rays on */
     const char *why[DAFT_EFFECT_COUNT];          /* what calls for the effect, or why nothing can */
@@ -21,11 +24,23 @@ typedef struct daft_plan {
 /* Light of points that is sampled (tile/soft.c). */
 typedef struct daft_sampled_light {
     bool some;                            /* of the batch, so that what follows counts: */
+    bool tile_some;                       /* of the tile: */
     daft_lanes3 whole, arrived;           /* what would arrive if nothing were in its way; what does */
     daft_lanes3 tile_whole, tile_arrived; /* the same of the tile's pixels, while they are to be filtered */
     daft_lanes3 before;                   /* the points' light without it */
     float open[DAFT_BATCH_ROOM];
 } daft_sampled_light;
+
+/* What pixels see by rough surfaces, while it is to be filtered (tile/gloss.c). */
+typedef struct daft_gloss {
+    bool some, asks;                  /* of the tile's pixels see one; the running rays are those that these send */
+    uint32_t rough[DAFT_BATCH_WORDS]; /* bits of these pixels */
+    float alpha[DAFT_BATCH_ROOM], distance[DAFT_BATCH_ROOM]; /* of their surface */
+    daft_lanes3 sharp;                                       /* their light without it */
+    daft_lanes3 weight;                                      /* of the rays that they sent on */
+    float inverse[DAFT_BATCH_ROOM];                          /* the sum of 1 / how far these rays went, */
+    float rays[DAFT_BATCH_ROOM];                             /* and how many they were */
+} daft_gloss;
 
 /* A worker's own: no lock, no allocation in a settled frame. */
 typedef struct daft_scratch {
@@ -38,6 +53,8 @@ typedef struct daft_scratch {
     uint32_t candidates[DAFT_MAX_OCCLUDERS];
     uint32_t lit[DAFT_SAMPLES_WORDS], under[DAFT_SAMPLES_WORDS];
     daft_sampled_light *sampled; /* NULL: the frame has none */
+    daft_gloss *gloss;           /* NULL: the frame has none, or does not filter it */
+    daft_batch *third;           /* NULL: no surface sends more than one ray on */
     daft_lanes3 *passed;         /* of the running light's light; NULL until some shadow lets light through */
     daft_ray_batch *refracted;   /* waiting, of each depth; NULL until something is seen that light may pass */
     uint32_t around[2][DAFT_TILE + 2][DAFT_TILE + 2]; /* a tile at the picture's border: its pixels and ids */
@@ -68,8 +85,6 @@ typedef struct daft_mirror {
     uint32_t count;
 } daft_mirror;
 
-enum { DAFT_TURN_BITS = 8 };
-
 struct daft_renderer {
     daft_allocator allocator;
     int threads, isa;
@@ -88,6 +103,10 @@ struct daft_renderer {
     daft_vec2 turns[1 << DAFT_TURN_BITS]; /* unit vectors all round */
     daft_sampled_light *sampled;          /* the workers' */
     size_t sampled_capacity;
+    daft_gloss *gloss; /* the workers' */
+    size_t gloss_capacity;
+    daft_batch *third; /* the workers' */
+    size_t third_capacity;
     daft_lanes3 *passed; /* the workers' */
     size_t passed_capacity;
     daft_ray_batch *refracted; /* the workers' */
@@ -103,10 +122,10 @@ struct daft_renderer {
     uint8_t *apron;    /* the pixels above and below the band */
     uint8_t *smooth;   /* the band's pixels with more samples, until all are drawn */
     uint32_t *corners; /* words of the band's corners (daft_mixed); daft_edges.outline says which there are */
-    /* denoise.c: planes of the frame's tiles, and which of these have sampled light */
+    /* denoise.c: planes of the frame's tiles, and what of these is to be filtered (DAFT_NOISY_…) */
     float *planes;
-    bool *noisy;
-    size_t plane_capacity, plane_size, plane_stride, noisy_capacity;
+    uint8_t *noisy;
+    size_t plane_capacity, plane_size, plane_stride, plane_count, noisy_capacity;
     size_t edge_capacity, id_capacity, apron_capacity, smooth_capacity, corner_capacity;
 };
 
@@ -127,12 +146,14 @@ typedef struct daft_frame {
      */
     int edge_scale;
     size_t plane_size;
-    int filter_pass;
-    uint32_t corner_tiles; /* those of the band and of the row below, whose corners it shares */
+    int filter_pass, filtered; /* the running pass; DAFT_NOISY_… */
+    uint32_t corner_tiles;     /* those of the band and of the row below, whose corners it shares */
     atomic_uint tiles_done;
     atomic_bool cancelled;
 } daft_frame;
 
+/* What of a tile is to be filtered. */
+enum { DAFT_NOISY_LIGHT = 1, DAFT_NOISY_GLOSS = 2 };
 /* denoise.c: once the first tile of the frame's first pass is known; and when all tiles of it are drawn. */
 bool daft_denoise_prepare(daft_frame *frame, daft_error *error);
 bool daft_denoise(daft_frame *frame, daft_error *error);

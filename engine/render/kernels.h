@@ -61,10 +61,16 @@ typedef struct daft_surfaces_def {
 } daft_surfaces_def;
 
 /* What points may still send on: rays that are mirrored as a material or Fresnel's equations ask; and which rays, by
- * their fraction of the pixel, do not count any more. */
+ * their fraction of the pixel, do not count any more. Of rough surfaces, ray number `ray` of `rays`; the later ones are
+ * theirs alone. */
 typedef struct daft_spawning {
     bool mirrors;
     float min;
+    bool rough; /* false: all are smooth */
+    uint32_t ray, rays;
+    uint32_t column, row, round, salt; /* of the tile's first pixel in the picture; see daft_dice_throw */
+    const uint32_t *place;             /* of each of the batch's pixels in the tile; NULL: these are places */
+    const daft_vec2 *turns;            /* unit vectors all round */
 } daft_spawning;
 
 /* A tile's pixels, RGBA, and what they see, and those around it: pixel (x, y) of the tile, -1 to DAFT_TILE, is at
@@ -116,6 +122,7 @@ typedef struct daft_filter {
     int height, step;           /* rows; pixels to the neighbours of a pass */
     float left, top, focal;     /* the ray of the first pixel, in view space */
     float *normal[3], *inverse; /* view space; of the depth: 0 where there is nothing to filter */
+    float *reach;               /* pixels that the filter may reach; NULL: it filters fractions of light, anywhere */
     float *from[3], *from_variance, *to[3], *to_variance;
 } daft_filter;
 

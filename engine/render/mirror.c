@@ -106,7 +106,8 @@ static void find_planes(daft_frame *frame)
         for (uint32_t t = 0; t < s->mesh->triangle_count; t++) {
             plane at;
             const daft_surface *m = &frame->snapshot->materials[s->materials[s->mesh->slots ? s->mesh->slots[t] : 0]];
-            if (m->mirror.x > 0 || m->mirror.y > 0 || m->mirror.z > 0)
+            const bool rough = frame->plan.glossy && m->alpha > 0;
+            if (!rough && (m->mirror.x > 0 || m->mirror.y > 0 || m->mirror.z > 0))
                 if (triangle_plane(s, t, &at)) add_triangle(frame, i, t, &at);
         }
     }

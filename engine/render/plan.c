@@ -40,6 +40,8 @@ static bool some_material(const daft_snapshot *snapshot, surface_test *test)
     return false;
 }
 
+static bool is_rough(const daft_surface *m) { return m->alpha > 0 && (mirrors(m) || transmits(m)); }
+
 static const char *shadow_reason(const daft_snapshot *snapshot, const daft_preset *preset, bool *run)
 {
     *run = false;
@@ -90,11 +92,16 @@ daft_plan daft_plan_make(const daft_snapshot *snapshot)
     plan.soft = plan.shadows && plan.preset->shadow_samples > 0 && light_has_size(snapshot);
     why[DAFT_EFFECT_OCCLUSION] = occlusion_reason(snapshot, &plan.occlusion);
     none[DAFT_EFFECT_OCCLUSION] = plan.occlusion ? "no surface is seen" : why[DAFT_EFFECT_OCCLUSION];
-    plan.denoise = (plan.soft || plan.occlusion) && plan.preset->denoise && plan.preset->samples == 1;
+    plan.glossy = plan.preset->glossy_samples > 0 &&
+                  (plan.preset->mirror_depth > 0 || plan.preset->refraction_depth > 0) &&
+                  some_material(snapshot, is_rough);
+    plan.samples_light = plan.soft || plan.occlusion;
+    const bool sampled = plan.samples_light || plan.glossy;
+    plan.denoise = sampled && plan.preset->denoise;
     why[DAFT_EFFECT_DENOISE] = "light is sampled";
-    none[DAFT_EFFECT_DENOISE] = plan.denoise                     ? "no sampled light is seen"
-                                : !(plan.soft || plan.occlusion) ? "no light is sampled"
-                                                                 : "this quality does not denoise";
+    none[DAFT_EFFECT_DENOISE] = plan.denoise ? "no sampled light is seen"
+                                : !sampled   ? "no light is sampled"
+                                             : "this quality does not denoise";
     why[DAFT_EFFECT_LIGHTING] = "a lit surface is seen";
     none[DAFT_EFFECT_LIGHTING] =
         snapshot->light_count ? "no surface that faces a light is seen" : "the scene has no light";

@@ -2,7 +2,7 @@
  * Promises: reads only the snapshot; the same snapshot gives the same bytes for any number of threads and any
  * instruction set; what the scene does not call for is not run, and the counters say so.
  *
- * Public headers: render.h Inner headers: internal.h kernels.h denoise.h
+ * Public headers: render.h Inner headers: internal.h kernels.h denoise.h dice.h
  *
  * The snapshot is flat arrays in frame space: world axes, origin at the camera, floats. The caller rebases (in double).
  */
@@ -25,7 +25,8 @@ typedef struct daft_preset {
     float min_weight;      /* mirrored and refracted rays that weigh less in the pixel in all colours are not cast */
     int shadow_samples;    /* rays to a light that has a size; 0: its shadows are sharp */
     int occlusion_samples; /* rays around a point, where the scene asks for ambient occlusion; 0: none */
-    bool denoise;          /* filters what is sampled, where a pixel has one sample */
+    int glossy_samples;    /* rays that a rough surface sends on where a pixel sees it; 0: none is rough */
+    bool denoise;          /* filters what is sampled */
     bool shadows;
     bool reference; /* camera rays alone through the BVH */
 } daft_preset;
@@ -34,8 +35,9 @@ const daft_preset *daft_quality_preset(daft_quality quality);
 
 typedef struct daft_renderer daft_renderer; /* scratch memory that outlives a frame */
 
-/* What a series of pictures remembers of sampled light (reuse.c): of each pixel the fraction that arrived, the inverse
- * of the depth, over how many pictures, and whose surface it was (0: nothing was sampled). All zero: nothing yet. */
+/* What a series of pictures remembers of what was sampled (reuse.c): of each pixel the fraction that arrived, or what
+ * came along the mirrored rays; the inverse of the depth, over how many pictures, and whose surface it was (0: nothing
+ * was sampled). All zero: nothing yet. */
 typedef struct daft_past_pixel {
     float ratio[3], inverse, length;
     uint32_t entity;
@@ -48,6 +50,8 @@ typedef struct daft_past {
     daft_past_pixel *pixels[2];
     size_t capacity[2];
 } daft_past;
+
+enum { DAFT_PAST_LIGHT, DAFT_PAST_GLOSS, DAFT_PASTS };
 
 void daft_past_free(daft_past *past, const daft_allocator *allocator);
 
@@ -75,7 +79,7 @@ typedef struct daft_snapshot {
      * directions; NULL: there was none. */
     const daft_affine *before;
     float before_focal;
-    daft_past *past; /* read and, unless this is a band, written while the picture is drawn; NULL: none */
+    daft_past *past; /* DAFT_PASTS: read and, unless this is a band, written while the picture is drawn; NULL: none */
 } daft_snapshot;
 
 /* Arrays of width·height or NULL; ids index the snapshot's instances, UINT32_MAX for the sky. See daft_aov. */

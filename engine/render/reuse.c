@@ -8,8 +8,10 @@
 
 /* Pictures that count together: more would leave trails behind moving shadows. */
 #define LONGEST 8.0f
-/* How far the inverse depth of the picture before may be off, as a part of it. */
-#define SAME_PLACE 0.03f
+/* How far the inverse depth of the picture before may be off, as a part of it; and where a mirrored image moves along a
+ * surface, too. */
+#define SAME_PLACE   0.03f
+#define SAME_SURFACE 0.1f
 
 bool daft_past_prepare(daft_past *past, const daft_allocator *allocator, const daft_snapshot *s, daft_error *error)
 {
@@ -30,10 +32,11 @@ typedef struct place {
 
 static bool place_before(const daft_snapshot *s, daft_vec3 ray, uint32_t instance, float inverse, place *out)
 {
-    const float depth = 1 / (inverse * s->focal);
+    const float depth = 1 / ((inverse > 0 ? inverse : 1) * s->focal);
     const daft_vec3 p = daft_add(daft_add(daft_scale(s->right, ray.x * depth), daft_scale(s->up, ray.y * depth)),
                                  daft_scale(s->forward, ray.z * depth));
-    const daft_vec3 then = daft_affine_point(&s->before[instance], p);
+    const daft_affine *before = &s->before[instance];
+    const daft_vec3 then = inverse > 0 ? daft_affine_point(before, p) : daft_affine_vector(before, p);
     if (!(then.z > 0)) return false;
     out->inverse = 1 / then.z;
     out->x = then.x * out->inverse * s->before_focal + (float)s->width * 0.5f - 0.5f;
@@ -42,7 +45,7 @@ static bool place_before(const daft_snapshot *s, daft_vec3 ray, uint32_t instanc
 }
 
 /* The mean of the four pixels around, of those that saw the same; its weight. */
-static float gather(const daft_past *past, const place *at, uint32_t entity, daft_past_pixel *mean)
+static float gather(const daft_past *past, const place *at, uint32_t entity, float slack, daft_past_pixel *mean)
 {
     const daft_past_pixel *old = past->pixels[past->now];
     const int x0 = (int)floorf(at->x), y0 = (int)floorf(at->y);
@@ -54,11 +57,23 @@ static float gather(const daft_past *past, const place *at, uint32_t entity, daf
         if (x < 0 || y < 0 || x >= past->width || y >= past->height) continue;
         const daft_past_pixel *p = &old[(size_t)y * (size_t)past->width + (size_t)x];
         const float weight = (k & 1 ? fx : 1 - fx) * (k >> 1 ? fy : 1 - fy);
-        if (p->entity != entity || !(fabsf(p->inverse - at->inverse) < SAME_PLACE * at->inverse)) continue;
+        if (p->entity != entity || !(fabsf(p->inverse - at->inverse) < slack * at->inverse)) continue;
         for (int c = 0; c < 3; c++) mean->ratio[c] += p->ratio[c] * weight;
         mean->length += p->length * weight, sum += weight;
     }
     return sum;
+}
+
+/* Where the picture before showed what the pixel shows, with the inverse depth of the surface that shows it. */
+static bool place_shown(const daft_snapshot *s, const daft_seen_pixel *seen, place *out)
+{
+    place surface;
+    if (!place_before(s, seen->ray, seen->instance, seen->inverse, &surface)) return false;
+    *out = surface;
+    if (seen->shown == seen->inverse) return true;
+    if (!place_before(s, seen->ray, seen->instance, seen->shown, out)) return false;
+    out->inverse = surface.inverse;
+    return true;
 }
 
 float daft_past_pixel_reuse(daft_past *past, const daft_snapshot *s, const daft_seen_pixel *seen, float ratio[3])
@@ -66,8 +81,9 @@ float daft_past_pixel_reuse(daft_past *past, const daft_snapshot *s, const daft_
     daft_past_pixel mean, *out = &past->pixels[!past->now][(size_t)seen->y * (size_t)past->width + (size_t)seen->x];
     place at;
     float length = 1;
-    if (past->some && s->before && place_before(s, seen->ray, seen->instance, seen->inverse, &at)) {
-        const float weight = gather(past, &at, s->instances[seen->instance].entity, &mean);
+    if (past->some && s->before && place_shown(s, seen, &at)) {
+        const float slack = seen->shown == seen->inverse ? SAME_PLACE : SAME_SURFACE;
+        const float weight = gather(past, &at, s->instances[seen->instance].entity, slack, &mean);
         if (weight > 0.01f) {
             length = fminf(mean.length / weight + 1, LONGEST);
             for (int c = 0; c < 3; c++)

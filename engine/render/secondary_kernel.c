@@ -5,18 +5,46 @@
  * the mirrored and the refracted ray, and Snell's law bends the latter; past the critical angle all of it is mirrored.
  * Which index lies on which side follows from the hit alone, by the surface's outer side, so nothing is carried along a
  * path: a camera may stand in glass, and parts may cross each other; what lies beyond a surface that is left counts as
- * air. Radiance is not scaled by the square of the index: it would be scaled back where the light leaves again. */
+ * air. Radiance is not scaled by the square of the index: it would be scaled back where the light leaves again.
+ *
+ * Rough surfaces are facets (GGX: Walter, Marschner, Li, Torrance, "Microfacet Models for Refraction through Rough
+ * Surfaces", EGSR 2007), each a smooth surface; a ray meets one of those that its viewer sees. Light that other facets
+ * hide on its way is not lost but goes on from these; so a white surface under a white sky stays white. */
+#include "render/dice.h"
 #include "render/kernels.h"
 
 #define GRAZING 1e-3f /* the sine of the least angle between a facet and a ray that leaves it */
 
 static daft_vec3 lane3(const daft_lanes3 *a, uint32_t i) { return daft_v3(a->x[i], a->y[i], a->z[i]); }
 
-/* The mirrored direction; one that would enter the surface, which smooth normals can ask for, is bent to graze it. */
-static daft_vec3 mirrored(daft_vec3 view, daft_vec3 normal, daft_vec3 outward)
+/* The normal of a facet that is seen (Dupuy, Benyoub, "Sampling Visible GGX Normals with Spherical Caps", HPG 2023);
+ * the surface's own where that is smooth. */
+static daft_vec3 facet_at(const daft_batch *b, uint32_t i, float alpha, const daft_spawning *allowed)
+{
+    const daft_vec3 normal = lane3(&b->normal, i), view = lane3(&b->view, i);
+    if (!(alpha > 0) || !allowed->rough) return normal;
+    const uint32_t place = allowed->place ? allowed->place[b->pixel[i]] : b->pixel[i];
+    const daft_dice dice = daft_dice_throw(allowed->column + place % DAFT_TILE, allowed->row + place / DAFT_TILE,
+                                           allowed->round, allowed->salt);
+    const daft_vec2 turn = allowed->turns[daft_dice_turn(dice, allowed->ray)];
+    const float part = daft_dice_part(dice, allowed->ray, allowed->rays), up = daft_dot(view, normal);
+    daft_vec3 x, y;
+    daft_axes_across(normal, &x, &y);
+    const daft_vec3 v =
+        daft_normalize(daft_v3(alpha * daft_dot(view, x), alpha * daft_dot(view, y), up > GRAZING ? up : GRAZING));
+    const float z = (1 - part) * (1 + v.z) - v.z, across = z * z < 1 ? sqrtf(1 - z * z) : 0;
+    const float high = z + v.z > 1e-6f ? z + v.z : 1e-6f;
+    const daft_vec3 h = daft_v3(alpha * (across * turn.x + v.x), alpha * (across * turn.y + v.y), high);
+    return daft_normalize(daft_add(daft_add(daft_scale(x, h.x), daft_scale(y, h.y)), daft_scale(normal, h.z)));
+}
+
+/* The mirrored direction; one that would enter the surface, which smooth normals can ask for, is bent to graze it, and
+ * by facets is mirrored once more. */
+static daft_vec3 mirrored(daft_vec3 view, daft_vec3 normal, daft_vec3 outward, bool rough)
 {
     daft_vec3 d = daft_sub(daft_scale(normal, 2 * daft_dot(normal, view)), view);
     float under = daft_dot(d, outward);
+    if (rough && under < 0) d = daft_sub(d, daft_scale(outward, 2 * under)), under = -under;
     if (under < GRAZING) d = daft_add(d, daft_scale(outward, GRAZING - under));
     return daft_normalize(d);
 }
@@ -130,19 +158,20 @@ static daft_vec3 place_beyond(const daft_snapshot *snapshot, const daft_batch *b
 
 /* A point that transmits: `mirror` is what its material mirrors besides. Where mirrored rays are not followed any more,
  * what can be refracted is, in full; what cannot still is mirrored, since that is the only way the light has. */
-static void divide(const daft_snapshot *snapshot, const daft_batch *b, uint32_t i, daft_vec3 mirror,
+static void divide(const daft_snapshot *snapshot, const daft_batch *b, uint32_t i, daft_vec3 mirror, daft_vec3 weight,
                    const daft_spawning *allowed, daft_ray_batch *mirror_rays, daft_ray_batch *refracted_rays)
 {
     const daft_surface *material = &snapshot->materials[b->material[i]];
-    daft_vec3 weight = lane3(&b->weight, i), view = lane3(&b->view, i), normal = lane3(&b->normal, i);
-    daft_vec3 outward = lane3(&b->outward, i);
+    const bool rough = allowed->rough && material->alpha > 0;
+    daft_vec3 view = lane3(&b->view, i), outward = lane3(&b->outward, i);
+    daft_vec3 normal = facet_at(b, i, material->alpha, allowed);
     float eta = from_inside(snapshot, b, i) ? material->index : 1 / material->index;
     interface f = interface_at(eta, daft_dot(normal, view));
     if (!allowed->mirrors && f.fresnel < 1) f.fresnel = 0;
     float fraction = material->transmission * f.fresnel;
     daft_vec3 back = daft_mul(weight, daft_add(mirror, daft_v3(fraction, fraction, fraction)));
     if (counts(back, allowed->min))
-        add_ray(b, i, lane3(&b->point, i), mirrored(view, normal, outward), back, mirror_rays);
+        add_ray(b, i, lane3(&b->point, i), mirrored(view, normal, outward, rough), back, mirror_rays);
     daft_vec3 on = daft_mul(weight, daft_scale(material->transmittance, 1 - f.fresnel));
     if (counts(on, allowed->min))
         add_ray(b, i, place_beyond(snapshot, b, i), refracted(&f, view, normal, outward), on, refracted_rays);
@@ -151,18 +180,23 @@ static void divide(const daft_snapshot *snapshot, const daft_batch *b, uint32_t 
 static void spawn(const daft_snapshot *snapshot, const daft_batch *b, const daft_spawning *allowed,
                   daft_ray_batch *mirror_rays, daft_ray_batch *refracted_rays)
 {
+    const float share = 1 / (float)allowed->rays;
     mirror_rays->count = 0;
     if (refracted_rays) refracted_rays->count = 0;
     for (uint32_t i = 0; i < b->count; i++) {
         const daft_surface *material = &snapshot->materials[b->material[i]];
+        const bool rough = allowed->rough && material->alpha > 0;
+        if (allowed->ray && !rough) continue;
+        daft_vec3 weight = rough ? daft_scale(lane3(&b->weight, i), share) : lane3(&b->weight, i);
         daft_vec3 mirror = allowed->mirrors ? material->mirror : daft_v3(0, 0, 0);
         if (refracted_rays && material->transmission > 0) {
-            divide(snapshot, b, i, mirror, allowed, mirror_rays, refracted_rays);
+            divide(snapshot, b, i, mirror, weight, allowed, mirror_rays, refracted_rays);
             continue;
         }
-        daft_vec3 weight = daft_mul(lane3(&b->weight, i), mirror);
+        weight = daft_mul(weight, mirror);
         if (!counts(weight, allowed->min)) continue;
-        daft_vec3 d = mirrored(lane3(&b->view, i), lane3(&b->normal, i), lane3(&b->outward, i));
+        const daft_vec3 normal = facet_at(b, i, material->alpha, allowed);
+        daft_vec3 d = mirrored(lane3(&b->view, i), normal, lane3(&b->outward, i), rough);
         add_ray(b, i, lane3(&b->point, i), d, weight, mirror_rays);
     }
 }

@@ -9,7 +9,7 @@ typedef struct placed {
 } placed;
 
 struct daft_history {
-    daft_past past; /* of the renderer */
+    daft_past past[DAFT_PASTS]; /* of the renderer */
     uint32_t pictures;
     daft_allocator allocator;
     const daft_scene *scene; /* of the last picture; NULL: there was none */
@@ -38,14 +38,16 @@ void daft_history_destroy(daft_history *history)
 {
     if (!history) return;
     daft_allocator allocator = history->allocator;
-    daft_past_free(&history->past, &allocator);
+    for (int i = 0; i < DAFT_PASTS; i++) daft_past_free(&history->past[i], &allocator);
     daft_release(&allocator, history->items);
     daft_release(&allocator, history);
 }
 
 void daft_history_forget(daft_history *history)
 {
-    if (history) history->scene = NULL, history->past.some = false;
+    if (!history) return;
+    history->scene = NULL;
+    for (int i = 0; i < DAFT_PASTS; i++) history->past[i].some = false;
 }
 
 /* Where the picture before had it, or where it is if that picture did not have it. */
@@ -139,8 +141,8 @@ bool daft_history_take(daft_history *history, const daft_scene *scene, const daf
     daft_snapshot *s = &frame->snapshot;
     s->before = NULL, s->past = NULL, s->seed = 0;
     if (!history) return true;
-    if (history->scene != scene) history->past.some = false;
-    s->past = &history->past, s->seed = history->pictures;
+    for (int i = 0; i < DAFT_PASTS; i++) history->past[i].some &= history->scene == scene;
+    s->past = history->past, s->seed = history->pictures;
     if (history->scene == scene && !look_back(history, view->camera.position, s, &frame->lights, error)) return false;
     return s->row_count < s->height || remember(history, scene, view, s, error);
 }

@@ -63,6 +63,7 @@ static daft_preset choose_preset(const daft_view *view)
     if (view->shadows >= 0) preset.shadows = view->shadows > 0;
     if (view->shadow_samples >= 0) preset.shadow_samples = view->shadow_samples;
     if (view->occlusion_samples >= 0) preset.occlusion_samples = view->occlusion_samples;
+    if (view->glossy_samples >= 0) preset.glossy_samples = view->glossy_samples;
     if (view->denoise >= 0) preset.denoise = view->denoise > 0;
     preset.reference |= view->reference;
     return preset;

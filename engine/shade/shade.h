@@ -18,19 +18,25 @@ typedef struct daft_surface {
     daft_vec3 transmittance; /* transmission times its tint */
     float transmission, index;
     float shininess;
+    float alpha;      /* of the facets that mirror and refract (GGX): the square of the roughness; 0: smooth */
     uint32_t texture; /* index into the snapshot's textures, or DAFT_NO_TEXTURE */
     daft_vec2 map_scale;
 } daft_surface;
 
 /* Traits of materials: what their points call for beside Lambert's law. */
-enum { DAFT_TRAIT_TEXTURE = 1, DAFT_TRAIT_SPECULAR = 2, DAFT_TRAIT_SENDS = 4 /* mirrors or transmits */ };
+enum {
+    DAFT_TRAIT_TEXTURE = 1,
+    DAFT_TRAIT_SPECULAR = 2,
+    DAFT_TRAIT_SENDS = 4, /* mirrors or transmits */
+    DAFT_TRAIT_ROUGH = 8  /* and does so in many directions */
+};
 
 static inline uint32_t daft_surface_traits(const daft_surface *m)
 {
     bool specular = m->specular.x != 0 || m->specular.y != 0 || m->specular.z != 0;
     bool sends = m->mirror.x > 0 || m->mirror.y > 0 || m->mirror.z > 0 || m->transmission > 0;
     return (m->texture != DAFT_NO_TEXTURE ? DAFT_TRAIT_TEXTURE : 0u) | (specular ? DAFT_TRAIT_SPECULAR : 0u) |
-           (sends ? DAFT_TRAIT_SENDS : 0u);
+           (sends ? DAFT_TRAIT_SENDS : 0u) | (sends && m->alpha > 0 ? DAFT_TRAIT_ROUGH : 0u);
 }
 
 typedef struct daft_light_source {

@@ -8,7 +8,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SCALE, VISIBILITY, SAMPLES, EDGES, SHADOWS, SOFT, OCCLUSION, DENOISE, MIRRORS, REFRACTION, WEIGHT, REFERENCE };
+enum {
+    SCALE,
+    VISIBILITY,
+    SAMPLES,
+    EDGES,
+    SHADOWS,
+    SOFT,
+    OCCLUSION,
+    GLOSSY,
+    DENOISE,
+    MIRRORS,
+    REFRACTION,
+    WEIGHT,
+    REFERENCE
+};
 
 static const knob_row TABLE[KNOBS] = {
     [SCALE] = {"scale", "sides of the drawn picture, relative to the shown one; bilinear between", {0.5, 0.75, 1}, 3},
@@ -21,6 +35,7 @@ static const knob_row TABLE[KNOBS] = {
     [SHADOWS] = {"shadows", "0: none, 1: of every light", {0, 1}, 2},
     [SOFT] = {"shadow_samples", "rays to a light that has a size; 0: sharp shadows", {0, 1, 4, 16}, 4},
     [OCCLUSION] = {"occlusion_samples", "rays around a point, where the scene has ambient occlusion", {0, 1, 4, 16}, 4},
+    [GLOSSY] = {"glossy_samples", "rays that a rough surface sends on; 0: none is rough", {0, 1, 4, 16}, 4},
     [DENOISE] = {"denoise", "0: not, 1: what is sampled is filtered", {0, 1}, 2},
     [MIRRORS] = {"mirror_depth", "mirror bounces followed", {0, 1, 2, 4, 8}, 5},
     [REFRACTION] = {"refraction_depth", "surfaces that a path through transparent ones may meet", {0, 2, 6, 12, 24}, 5},
@@ -46,6 +61,7 @@ void knob_apply(knob_set *set, size_t index, double value)
     case SHADOWS: v->shadows = (int)value; break;
     case SOFT: v->shadow_samples = (int)value; break;
     case OCCLUSION: v->occlusion_samples = (int)value; break;
+    case GLOSSY: v->glossy_samples = (int)value; break;
     case DENOISE: v->denoise = (int)value; break;
     case MIRRORS: v->mirror_depth = (int)value; break;
     case REFRACTION: v->refraction_depth = (int)value; break;

@@ -16,7 +16,7 @@ typedef struct knob_row {
     size_t count;
 } knob_row;
 
-enum { KNOBS = 12 };
+enum { KNOBS = 13 };
 const knob_row *knob_at(size_t index);
 
 /* Whether the setting casts camera rays one by one. */

@@ -103,6 +103,13 @@ static bool take_map(const reader *r, enum aiTextureType type, daft_mtl *out)
 
 /* ---- the material ---- */
 
+static bool has_map(const reader *r, enum aiTextureType type)
+{
+    struct aiString name;
+    return r->from->assimp->texture(r->material, type, 0, &name, NULL, NULL, NULL, NULL, NULL, NULL) ==
+           aiReturn_SUCCESS;
+}
+
 static void from_metal(const reader *r, daft_mtl *out)
 {
     float metal = 1, rough = 1;
@@ -116,8 +123,15 @@ static void from_metal(const reader *r, daft_mtl *out)
     const float dielectric = 0.04f * (1 - metal), fourth = rough * rough * rough * rough;
     out->specular = daft_v3(dielectric + metal * base.x, dielectric + metal * base.y, dielectric + metal * base.z);
     out->shininess = fminf(2 / fourth - 2, 1000);
-    /* What mirrors in a metal is drawn as its colour: without a map of the surroundings it would be black. */
-    out->diffuse = out->ambient = daft_scale(base, 1 - 0.5f * metal);
+    out->roughness = rough;
+    const bool mapped = has_map(r, aiTextureType_BASE_COLOR) || has_map(r, aiTextureType_DIFFUSE) ||
+                        has_map(r, aiTextureType_METALNESS) || has_map(r, aiTextureType_UNKNOWN);
+    if (mapped) { /* maps say where it is metal, and they are not read: what mirrors is drawn as its colour */
+        out->diffuse = out->ambient = daft_scale(base, 1 - 0.5f * metal);
+    } else if (metal > 0) {
+        out->diffuse = out->ambient = daft_scale(base, 1 - metal);
+        out->illum = 3; /* mirrors its surroundings */
+    }
 }
 
 static bool fill(const reader *r, uint32_t index, daft_mtl *out)

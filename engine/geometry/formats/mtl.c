@@ -205,6 +205,14 @@ static bool read_tr(reader *r, const char *word, const char *p)
     return true;
 }
 
+static bool read_pr(reader *r, const char *word, const char *p)
+{
+    float value;
+    if (!read_last_number(r, word, p, &value)) return false;
+    r->current->roughness = clamp(r, word, value, 0, 1);
+    return true;
+}
+
 static bool read_illum(reader *r, const char *word, const char *p)
 {
     float value;
@@ -358,15 +366,15 @@ static const struct {
 } statements[] = {
     {"newmtl", read_newmtl}, {"Ka", read_ka},         {"Kd", read_kd},       {"Ks", read_ks}, {"Ke", read_ke},
     {"Kt", read_tf},         {"Tf", read_tf},         {"Ns", read_ns},       {"Ni", read_ni}, {"d", read_d},
-    {"Tr", read_tr},         {"map_Kd", read_map_kd}, {"illum", read_illum},
+    {"Tr", read_tr},         {"map_Kd", read_map_kd}, {"illum", read_illum}, {"Pr", read_pr},
 };
 
 /* Known and not used. */
 static const char *const quiet_statements[] = {
-    "map_Ka",   "map_Ks",  "map_Ke",    "map_Ns",   "map_d",   "map_Tr",    "map_bump", "bump",    "disp",
-    "map_disp", "decal",   "refl",      "map_refl", "norm",    "map_norm",  "map_Kn",   "map_aat", "Pr",
-    "Pm",       "Ps",      "Pc",        "Pcr",      "aniso",   "anisor",    "map_Pr",   "map_Pm",  "map_Ps",
-    "map_Pc",   "map_Pcr", "map_aniso", "map_RMA",  "map_ORM", "sharpness",
+    "map_Ka",  "map_Ks",   "map_Ke", "map_Ns",  "map_d",     "map_Tr",  "map_bump", "bump",
+    "disp",    "map_disp", "decal",  "refl",    "map_refl",  "norm",    "map_norm", "map_Kn",
+    "map_aat", "Pm",       "Ps",     "Pc",      "Pcr",       "aniso",   "anisor",   "map_Pr",
+    "map_Pm",  "map_Ps",   "map_Pc", "map_Pcr", "map_aniso", "map_RMA", "map_ORM",  "sharpness",
 };
 
 static bool is_word(const char *word, size_t length, const char *keyword)

@@ -90,7 +90,8 @@ void daft_tile_aov_color(const tile_job *j)
 {
     daft_vec3 *out = j->frame->target->aov.color;
     const daft_tile *tile = &j->s->tile;
-    const float weight = 1 / (float)j->snapshot->preset.samples;
+    const bool all = j->frame->plan.denoise; /* the samples' light comes together */
+    const float weight = all ? 1 : 1 / (float)j->snapshot->preset.samples;
     if (!out || !in_band(j)) return;
     for (int y = 0; y < tile->height; y++)
         for (int x = 0; x < tile->width; x++) {
@@ -98,7 +99,7 @@ void daft_tile_aov_color(const tile_job *j)
             daft_vec3 *at = &out[tile_pixel(j, number)];
             const daft_vec3 light =
                 daft_scale(daft_v3(j->color->x[number], j->color->y[number], j->color->z[number]), weight);
-            *at = j->frame->sample ? daft_add(*at, light) : light;
+            *at = j->frame->sample && !all ? daft_add(*at, light) : light;
         }
 }
 

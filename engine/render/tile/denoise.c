@@ -1,18 +1,39 @@
-/* Denoising: what was sampled with few rays (tile/soft.c) is filtered before it becomes part of the picture. Filtered
- * is the fraction of sampled light that arrives (Heitz, Hill, McGuire, "Combining Analytic Direct Illumination and
- * Stochastic Shadows", I3D 2018): the light itself, with its textures, highlights and other lights' sharp shadows,
- * stays as it is.
+/* Denoising: what was sampled with few rays is filtered before it becomes part of the picture. Filtered are the
+ * fraction of sampled light (tile/soft.c) that arrives (Heitz, Hill, McGuire, "Combining Analytic Direct Illumination
+ * and Stochastic Shadows", I3D 2018), and the light that rough surfaces mirror and let through (tile/gloss.c), as a
+ * mean over the weights of their rays; each by itself. The light itself, with its textures, highlights, sharp shadows
+ * and sharp mirrors, stays as it is.
  *
- * Tiles at work write what the filter needs into planes; where a tile has sampled nothing, or the picture's margin, the
- * inverse depth is 0 and the filter looks away. Then each pass of the filter goes over all tiles that have, and the
- * last step makes their bytes. */
+ * Tiles at work write what the filter needs into planes, summed up over a pixel's samples; where nothing is sampled,
+ * and in the picture's margin, a kind's inverse depth is 0 and the filter looks away. Then each pass of the filter goes
+ * over all tiles that have something of the kind, and the last step makes their bytes. */
 #include "render/denoise.h"
 #include "render/tile/tile.h"
 
+#include <math.h>
 #include <string.h>
 
 enum { MARGIN = 16, PASSES = 4 }; /* columns on either side, and room for a register on the right */
-enum { FROM = 0, TO = 3, FROM_VARIANCE = 6, TO_VARIANCE, NORMAL, INVERSE = 11, WHOLE, SHARP = 15, SEEN = 18, PLANES };
+enum {
+    TO = 0,
+    FROM_VARIANCE = 3,
+    TO_VARIANCE,
+    NORMAL,
+    INVERSE = 8, /* of all that is seen */
+    SEEN,
+    SHARP,
+    LIGHT = 13, /* three of the ratio, three of the whole, one of the inverse depth */
+    GLOSS = 20, /* likewise */
+    REACH = 27, /* of the gloss: pixels that the filter may reach */
+    VIRTUAL,    /* and the inverse depth of what is shown, behind the surface */
+    PLANES,
+    PLANES_WITHOUT_GLOSS = GLOSS
+};
+enum { WHOLE = 3, KIND_INVERSE = 6 };
+
+static int first_plane(int kind) { return kind == DAFT_NOISY_GLOSS ? GLOSS : LIGHT; }
+
+static bool is_last(const daft_frame *frame) { return frame->sample == frame->snapshot->preset.samples - 1; }
 
 static ptrdiff_t stride_of(const daft_snapshot *s) { return (ptrdiff_t)daft_tile_columns(s) * DAFT_TILE + 3 * MARGIN; }
 
@@ -31,18 +52,23 @@ bool daft_denoise_prepare(daft_frame *frame, daft_error *error)
 {
     daft_renderer *r = frame->renderer;
     daft_past *past = frame->snapshot->past;
-    if (!frame->plan.denoise && past) past->some = false;
+    for (int i = 0; past && i < DAFT_PASTS; i++)
+        past[i].some &= frame->plan.denoise && (i == DAFT_PAST_GLOSS ? frame->plan.glossy : frame->plan.samples_light);
     if (!frame->plan.denoise) return true;
     const size_t size = plane_size(frame), stride = (size_t)stride_of(frame->snapshot);
-    const size_t before = r->plane_capacity;
+    const size_t before = r->plane_capacity, planes = frame->plan.glossy ? PLANES : PLANES_WITHOUT_GLOSS;
     frame->plane_size = size;
-    if (!daft_grow(&r->allocator, &r->planes, &r->plane_capacity, PLANES * size, 0, sizeof *r->planes) ||
+    if (!daft_grow(&r->allocator, &r->planes, &r->plane_capacity, planes * size, 0, sizeof *r->planes) ||
         !daft_grow(&r->allocator, &r->noisy, &r->noisy_capacity, frame->tile_count, 0, sizeof *r->noisy))
         return daft_fail_memory(error, "what is denoised");
-    if (before != r->plane_capacity || stride != r->plane_stride || size != r->plane_size)
-        memset(r->planes, 0, PLANES * size * sizeof *r->planes); /* margins stay 0 */
-    r->plane_stride = stride, r->plane_size = size;
-    return !past || daft_past_prepare(past, &r->allocator, frame->snapshot, error);
+    if (before != r->plane_capacity || stride != r->plane_stride || size != r->plane_size || planes != r->plane_count)
+        memset(r->planes, 0, planes * size * sizeof *r->planes); /* margins stay 0 */
+    r->plane_stride = stride, r->plane_size = size, r->plane_count = planes;
+    for (int i = 0; past && i < DAFT_PASTS; i++)
+        if ((i == DAFT_PAST_GLOSS ? frame->plan.glossy : frame->plan.samples_light) &&
+            !daft_past_prepare(&past[i], &r->allocator, frame->snapshot, error))
+            return false;
+    return true;
 }
 
 /* Where the tile's first pixel is in a plane. */
@@ -52,16 +78,22 @@ static size_t tile_place(const daft_frame *frame, uint32_t number)
     return at / columns * DAFT_TILE * (size_t)stride_of(frame->snapshot) + at % columns * DAFT_TILE;
 }
 
+static void clear(const daft_frame *frame, int number, size_t first)
+{
+    float *to = plane(frame, number) + first;
+    for (int y = 0; y < DAFT_TILE; y++) memset(to + y * stride_of(frame->snapshot), 0, DAFT_TILE * sizeof *to);
+}
+
 void daft_denoise_begin(const tile_job *j)
 {
     const daft_frame *frame = j->frame;
-    float *inverse = plane(frame, INVERSE) + tile_place(frame, j->number);
-    for (int y = 0; y < DAFT_TILE; y++)
-        memset(inverse + y * stride_of(frame->snapshot), 0, DAFT_TILE * sizeof *inverse);
-    j->r->noisy[j->number - frame->first_tile] = false;
+    if (j->s->sampled) j->s->sampled->tile_some = false;
+    if (frame->sample > 0) return;
+    clear(frame, INVERSE, tile_place(frame, j->number));
+    j->r->noisy[j->number - frame->first_tile] = 0;
 }
 
-/* The planes that pixels see. */
+/* The planes that pixels see, by their first sample. */
 void daft_denoise_see(const tile_job *j)
 {
     const daft_frame *frame = j->frame;
@@ -71,6 +103,7 @@ void daft_denoise_see(const tile_job *j)
     float *const normal[3] = {plane(frame, NORMAL), plane(frame, NORMAL + 1), plane(frame, NORMAL + 2)},
                  *inverse = plane(frame, INVERSE), *seen = plane(frame, SEEN);
     const daft_vec3 axes[3] = {s->right, s->up, s->forward};
+    if (frame->sample > 0) return;
     for (uint32_t i = 0; i < b->count; i++) {
         const uint32_t x = b->pixel[i] % DAFT_TILE, y = b->pixel[i] / DAFT_TILE;
         const size_t at = first + y * stride + x;
@@ -83,15 +116,22 @@ void daft_denoise_see(const tile_job *j)
     }
 }
 
+/* What arrives belongs to what a rough surface shows, which is filtered by itself. */
+static void add_to_gloss(const tile_job *j, daft_batch *points, uint32_t i)
+{
+    const daft_sampled_light *light = j->s->sampled;
+    points->light.x[i] += light->arrived.x[i], points->light.y[i] += light->arrived.y[i];
+    points->light.z[i] += light->arrived.z[i];
+}
+
 /* A batch's sampled light, as far as it arrives at the pixels. */
-void daft_denoise_take(const tile_job *j, const daft_batch *points, bool seen)
+void daft_denoise_take(const tile_job *j, daft_batch *points, bool seen)
 {
     daft_sampled_light *light = j->s->sampled;
-    bool *noisy = &j->r->noisy[j->number - j->frame->first_tile];
-    if (!*noisy) {
+    if (!light->tile_some) {
         memset(&light->tile_whole, 0, sizeof light->tile_whole);
         memset(&light->tile_arrived, 0, sizeof light->tile_arrived);
-        *noisy = true;
+        light->tile_some = true;
     }
     const float *const weight[3] = {points->weight.x, points->weight.y, points->weight.z};
     const float *const whole[3] = {light->whole.x, light->whole.y, light->whole.z}, *const arrived[3] = {
@@ -100,20 +140,162 @@ void daft_denoise_take(const tile_job *j, const daft_batch *points, bool seen)
                                                                                         light->arrived.z};
     float *const to_whole[3] = {light->tile_whole.x, light->tile_whole.y, light->tile_whole.z},
                  *const to_arrived[3] = {light->tile_arrived.x, light->tile_arrived.y, light->tile_arrived.z};
-    for (int c = 0; c < 3; c++)
-        for (uint32_t i = 0; i < points->count; i++) {
-            const uint32_t pixel = points->pixel[i];
+    for (uint32_t i = 0; i < points->count; i++) {
+        const uint32_t pixel = points->pixel[i];
+        if (!seen && daft_gloss_is_rough(j->s->gloss, pixel)) {
+            add_to_gloss(j, points, i);
+            continue;
+        }
+        for (int c = 0; c < 3; c++) {
             const float share = seen ? 1 : weight[c][i];
             to_whole[c][pixel] += whole[c][i] * share, to_arrived[c][pixel] += arrived[c][i] * share;
         }
+    }
 }
 
 /* Rays of a point, the fewer where there are two kinds. */
 static int samples_of(const daft_frame *frame)
 {
     const daft_preset *p = frame->plan.preset;
-    if (!frame->plan.soft) return p->occlusion_samples;
+    if (!frame->plan.soft) return daft_max_i(p->occlusion_samples, 1);
     return frame->plan.occlusion ? daft_min_i(p->shadow_samples, p->occlusion_samples) : p->shadow_samples;
+}
+
+/* ---- a tile's sums ---- */
+
+static void put(const daft_frame *frame, int number, size_t row, const float *value, float share)
+{
+    float *to = plane(frame, number) + row;
+    if (frame->sample == 0)
+        for (int x = 0; x < DAFT_TILE; x++) to[x] = value[x] * share;
+    else
+        for (int x = 0; x < DAFT_TILE; x++) to[x] += value[x] * share;
+}
+
+static const float *lane_of(const daft_lanes3 *v, int c, int y)
+{
+    const float *const lanes[3] = {v->x, v->y, v->z};
+    return lanes[c] + y * DAFT_TILE;
+}
+
+static float clamp_unit(float x) { return x > 0 ? (x < 1 ? x : 1) : 0; }
+
+/* The light that is sharp. Samples are clamped to what a display shows before they are averaged, as without a filter.
+ */
+static void keep_sharp(const tile_job *j, size_t row, int y, float share)
+{
+    const daft_gloss *g = j->s->gloss;
+    for (int c = 0; c < 3; c++) {
+        const float *color = lane_of(j->color, c, y), *own = g && g->some ? lane_of(&g->sharp, c, y) : NULL;
+        float sharp[DAFT_TILE];
+        for (int x = 0; x < DAFT_TILE; x++) {
+            const float found = own && daft_gloss_is_rough(g, (uint32_t)(y * DAFT_TILE + x)) ? own[x] : color[x];
+            sharp[x] = share < 1 ? clamp_unit(found) : found;
+        }
+        put(j->frame, SHARP + c, row, sharp, share);
+    }
+}
+
+static void keep_light(const tile_job *j, size_t row, int y, float share)
+{
+    static const float NONE[DAFT_TILE];
+    const daft_sampled_light *light = j->s->sampled;
+    const bool some = light && light->tile_some;
+    for (int c = 0; c < 3; c++) {
+        put(j->frame, LIGHT + c, row, some ? lane_of(&light->tile_arrived, c, y) : NONE, share);
+        put(j->frame, LIGHT + WHOLE + c, row, some ? lane_of(&light->tile_whole, c, y) : NONE, share);
+    }
+}
+
+/* How much a surface bends between a tile's pixel and one beside it, 1/m: above 0 where it bulges. 0: they see
+ * different things. */
+static float bend_to(const tile_job *j, size_t at, int x, int y, size_t beside, int dx, int dy)
+{
+    const daft_frame *f = j->frame;
+    const float *inverse = plane(f, INVERSE), *seen = plane(f, SEEN);
+    if (!(inverse[beside] > 0) || memcmp(&seen[at], &seen[beside], sizeof *seen) != 0) return 0;
+    daft_vec3 p[2], n[2];
+    for (int k = 0; k < 2; k++) {
+        const size_t i = k ? beside : at;
+        const daft_vec3 ray = daft_pencil_ray(&f->pencil, j->s->tile.x + x + k * dx, j->s->tile.y + y + k * dy);
+        p[k] = daft_scale(ray, 1 / (inverse[i] * j->snapshot->focal));
+        n[k] = daft_v3(plane(f, NORMAL)[i], plane(f, NORMAL + 1)[i], plane(f, NORMAL + 2)[i]);
+    }
+    const daft_vec3 dp = daft_sub(p[1], p[0]), dn = daft_sub(n[1], n[0]);
+    const float bend = sqrtf(daft_dot(dn, dn) / daft_dot(dp, dp));
+    return bend < 1e6f ? (daft_dot(dn, dp) < 0 ? -bend : bend) : 0;
+}
+
+/* Across or down, whichever is more. */
+static float bend_at(const tile_job *j, size_t at, int x, int y)
+{
+    const int dx = x ? -1 : 1, dy = y ? -1 : 1;
+    const size_t stride = (size_t)stride_of(j->snapshot), above = dy < 0 ? at - stride : at + stride;
+    const float across = bend_to(j, at, x, y, dx < 0 ? at - 1 : at + 1, dx, 0),
+                down = bend_to(j, at, x, y, above, 0, dy);
+    return fabsf(across) > fabsf(down) ? across : down;
+}
+
+static void keep_gloss(const tile_job *j, size_t row, int y, float share)
+{
+    const daft_gloss *g = j->s->gloss;
+    const float focal = j->snapshot->focal, *inverse = plane(j->frame, INVERSE) + row;
+    float part[3][DAFT_TILE] = {{0}}, whole[3][DAFT_TILE] = {{0}}, reach[DAFT_TILE] = {0}, behind[DAFT_TILE] = {0};
+    for (int x = 0; x < DAFT_TILE; x++) {
+        const int pixel = y * DAFT_TILE + x;
+        if (!daft_gloss_is_rough(g, (uint32_t)pixel) || !(g->rays[pixel] > 0)) continue;
+        for (int c = 0; c < 3; c++) {
+            const float found = lane_of(j->color, c, y)[x] - lane_of(&g->sharp, c, y)[x];
+            part[c][x] = found < 0x1p60f ? found : 0, whole[c][x] = lane_of(&g->weight, c, y)[x];
+        }
+        /* What the rays meet is shown behind the surface, at 1 / `near` of the eye's distance before it: the mirror
+         * equation. Half of all rays leave within twice the facets' slope. */
+        const float near =
+            g->distance[pixel] * fabsf(g->inverse[pixel] / g->rays[pixel] + 2 * bend_at(j, row + (size_t)x, x, y));
+        reach[x] = 2 * g->alpha[pixel] * focal / (1 + near);
+        behind[x] = inverse[x] * near / (1 + near);
+        if (!(reach[x] < 1000)) reach[x] = 1000;
+        if (!(behind[x] < 0x1p60f)) behind[x] = inverse[x];
+    }
+    for (int c = 0; c < 3; c++)
+        put(j->frame, GLOSS + c, row, part[c], share), put(j->frame, GLOSS + WHOLE + c, row, whole[c], share);
+    put(j->frame, REACH, row, reach, share), put(j->frame, VIRTUAL, row, behind, share);
+}
+
+/* From sums to ratios, and where there are some. Of light at most all arrives. */
+static void finish_sums(const daft_frame *frame, int kind, size_t row)
+{
+    const int planes = first_plane(kind);
+    const float none = kind == DAFT_NOISY_LIGHT ? 1 : 0, most = kind == DAFT_NOISY_LIGHT ? 1 : 0x1p60f;
+    float some[DAFT_TILE] = {0};
+    for (int c = 0; c < 3; c++) {
+        float *ratio = plane(frame, planes + c) + row;
+        const float *whole = plane(frame, planes + WHOLE + c) + row;
+        for (int x = 0; x < DAFT_TILE; x++) {
+            const float found = ratio[x] / whole[x];
+            ratio[x] = found >= 0 && found <= most ? found : none; /* 0/0 and what overflows, too */
+            some[x] += whole[x];
+        }
+    }
+    const float *seen = plane(frame, INVERSE) + row;
+    float *inverse = plane(frame, planes + KIND_INVERSE) + row;
+    for (int x = 0; x < DAFT_TILE; x++) inverse[x] = some[x] > 0 ? seen[x] : 0;
+}
+
+static void finish_tile(const daft_frame *frame, size_t first, uint8_t noisy)
+{
+    /* Rays of a point are stratified: the variance of their mean falls with the square of their number, about. */
+    const float rays = (float)samples_of(frame), share = 1 / (rays * rays * (float)frame->snapshot->preset.samples);
+    for (int kind = DAFT_NOISY_LIGHT; kind <= DAFT_NOISY_GLOSS; kind++) {
+        if (kind == DAFT_NOISY_GLOSS && !frame->plan.glossy) continue;
+        if (!(noisy & kind)) clear(frame, first_plane(kind) + KIND_INVERSE, first);
+        for (int y = 0; noisy & kind && y < DAFT_TILE; y++)
+            finish_sums(frame, kind, first + (size_t)(y * stride_of(frame->snapshot)));
+    }
+    for (int y = 0; noisy & DAFT_NOISY_LIGHT && y < DAFT_TILE; y++) {
+        float *variance = plane(frame, FROM_VARIANCE) + first + y * stride_of(frame->snapshot);
+        for (int x = 0; x < DAFT_TILE; x++) variance[x] = share;
+    }
 }
 
 /* The light without what is sampled, as long as that is filtered, and the fraction of that which arrives. */
@@ -122,36 +304,42 @@ bool daft_denoise_keep(const tile_job *j)
     const daft_frame *frame = j->frame;
     const daft_sampled_light *light = j->s->sampled;
     const size_t first = tile_place(frame, j->number);
-    if (!j->r->noisy[j->number - frame->first_tile]) {
-        daft_denoise_begin(j);
-        return false;
-    }
-    const float *const color[3] = {j->color->x, j->color->y, j->color->z},
-                       *const whole[3] = {light->tile_whole.x, light->tile_whole.y, light->tile_whole.z},
-                       *const arrived[3] = {light->tile_arrived.x, light->tile_arrived.y, light->tile_arrived.z};
-    /* Rays of a point are stratified: the variance of their mean falls with the square of their number, about. */
-    const float rays = (float)samples_of(frame), share = 1 / (rays * rays);
-    for (int y = 0; y < DAFT_TILE; y++) {
-        const size_t row = first + (size_t)(y * stride_of(frame->snapshot));
-        float some[DAFT_TILE] = {0}, *inverse = plane(frame, INVERSE) + row;
-        for (int c = 0; c < 3; c++) {
-            const float *all = whole[c] + y * DAFT_TILE, *part = arrived[c] + y * DAFT_TILE;
-            float *ratio = plane(frame, FROM + c) + row;
-            for (int x = 0; x < DAFT_TILE; x++) {
-                const float found = part[x] / all[x];
-                ratio[x] = found >= 0 && found <= 1 ? found : 1; /* 0/0 and what overflows, too */
-                some[x] += all[x];
-            }
-            memcpy(plane(frame, WHOLE + c) + row, all, DAFT_TILE * sizeof(float));
-            memcpy(plane(frame, SHARP + c) + row, color[c] + y * DAFT_TILE, DAFT_TILE * sizeof(float));
+    const bool many = frame->snapshot->preset.samples > 1;
+    const float share = 1 / (float)frame->snapshot->preset.samples;
+    uint8_t *noisy = &j->r->noisy[j->number - frame->first_tile];
+    *noisy |=
+        (light && light->tile_some ? DAFT_NOISY_LIGHT : 0) | (j->s->gloss && j->s->gloss->some ? DAFT_NOISY_GLOSS : 0);
+    if (*noisy || many) {
+        for (int y = 0; y < DAFT_TILE; y++) {
+            const size_t row = first + (size_t)(y * stride_of(frame->snapshot));
+            keep_sharp(j, row, y, share);
+            if (many || *noisy & DAFT_NOISY_LIGHT) keep_light(j, row, y, share);
+            if (frame->plan.glossy && (many || *noisy & DAFT_NOISY_GLOSS)) keep_gloss(j, row, y, share);
         }
-        float *variance = plane(frame, FROM_VARIANCE) + row;
-        for (int x = 0; x < DAFT_TILE; x++) inverse[x] = some[x] > 0 ? inverse[x] : 0, variance[x] = share;
     }
-    return true;
+    if (is_last(frame)) finish_tile(frame, first, *noisy);
+    return *noisy || many;
 }
 
 /* ---- passes ---- */
+
+static void reuse_pixel(const daft_frame *frame, int kind, daft_seen_pixel *seen, size_t at)
+{
+    const int planes = first_plane(kind);
+    daft_past *past = &frame->snapshot->past[kind == DAFT_NOISY_GLOSS ? DAFT_PAST_GLOSS : DAFT_PAST_LIGHT];
+    float ratio[3];
+    seen->inverse = plane(frame, planes + KIND_INVERSE)[at];
+    if (!(seen->inverse > 0)) {
+        daft_past_pixel_clear(past, seen->x, seen->y);
+        return;
+    }
+    seen->shown = kind == DAFT_NOISY_GLOSS ? plane(frame, VIRTUAL)[at] : seen->inverse;
+    memcpy(&seen->instance, &plane(frame, SEEN)[at], sizeof seen->instance);
+    for (int c = 0; c < 3; c++) ratio[c] = plane(frame, planes + c)[at];
+    const float pictures = daft_past_pixel_reuse(past, frame->snapshot, seen, ratio);
+    if (kind == DAFT_NOISY_LIGHT) plane(frame, FROM_VARIANCE)[at] /= pictures * pictures;
+    for (int c = 0; c < 3; c++) plane(frame, planes + c)[at] = ratio[c];
+}
 
 /* Rows of the band alone are remembered. */
 static void reuse_task(void *context, uint32_t index, uint32_t worker)
@@ -163,21 +351,19 @@ static void reuse_task(void *context, uint32_t index, uint32_t worker)
     const tile_job j = daft_tile_again(frame, index, worker);
     const daft_tile *tile = &j.s->tile;
     const size_t first = tile_place(frame, j.number), stride = (size_t)stride_of(s);
+    const int noisy = frame->renderer->noisy[index];
     for (int y = 0; y < tile->height; y++)
         for (int x = 0; x < tile->width; x++) {
-            const size_t at = first + (size_t)y * stride + (size_t)x;
-            daft_seen_pixel seen = {.x = tile->x + x, .y = tile->y + y, .inverse = plane(frame, INVERSE)[at]};
-            float ratio[3];
-            if (!frame->renderer->noisy[index] || !(seen.inverse > 0)) {
-                daft_past_pixel_clear(s->past, seen.x, seen.y);
-                continue;
-            }
+            daft_seen_pixel seen = {.x = tile->x + x, .y = tile->y + y};
             seen.ray = daft_pencil_ray(&frame->pencil, seen.x, seen.y);
-            memcpy(&seen.instance, &plane(frame, SEEN)[at], sizeof seen.instance);
-            for (int c = 0; c < 3; c++) ratio[c] = plane(frame, FROM + c)[at];
-            const float pictures = daft_past_pixel_reuse(s->past, s, &seen, ratio);
-            plane(frame, FROM_VARIANCE)[at] /= pictures * pictures;
-            for (int c = 0; c < 3; c++) plane(frame, FROM + c)[at] = ratio[c];
+            for (int kind = DAFT_NOISY_LIGHT; kind <= DAFT_NOISY_GLOSS; kind++) {
+                if (!(frame->filtered & kind)) continue;
+                if (noisy & kind)
+                    reuse_pixel(frame, kind, &seen, first + (size_t)y * stride + (size_t)x);
+                else
+                    daft_past_pixel_clear(&s->past[kind == DAFT_NOISY_GLOSS ? DAFT_PAST_GLOSS : DAFT_PAST_LIGHT],
+                                          seen.x, seen.y);
+            }
         }
     j.s->ticks[DAFT_EFFECT_DENOISE] += daft_clock_ticks() - since;
 }
@@ -185,7 +371,7 @@ static void reuse_task(void *context, uint32_t index, uint32_t worker)
 static daft_filter filter_of(const daft_frame *frame)
 {
     const bool odd = frame->filter_pass % 2;
-    const int from = odd ? TO : FROM, to = odd ? FROM : TO;
+    const int planes = first_plane(frame->filtered), from = odd ? TO : planes, to = odd ? planes : TO;
     const daft_vec3 ray =
         daft_pencil_ray(&frame->pencil, 0, (int)(frame->first_tile / daft_tile_columns(frame->snapshot)) * DAFT_TILE);
     daft_filter f = {.stride = stride_of(frame->snapshot),
@@ -194,7 +380,8 @@ static daft_filter filter_of(const daft_frame *frame)
                      .left = ray.x,
                      .top = ray.y,
                      .focal = ray.z,
-                     .inverse = plane(frame, INVERSE),
+                     .inverse = plane(frame, planes + KIND_INVERSE),
+                     .reach = frame->filtered == DAFT_NOISY_GLOSS ? plane(frame, REACH) : NULL,
                      .from_variance = plane(frame, odd ? TO_VARIANCE : FROM_VARIANCE),
                      .to_variance = plane(frame, odd ? FROM_VARIANCE : TO_VARIANCE)};
     for (int c = 0; c < 3; c++)
@@ -206,7 +393,9 @@ typedef void filter_kernel(const daft_filter *filter, int x, int y, int width, i
 
 static void run(daft_frame *frame, uint32_t index, uint32_t worker, filter_kernel *kernel)
 {
-    if (!frame->renderer->noisy[index] || atomic_load_explicit(&frame->cancelled, memory_order_relaxed)) return;
+    if (!(frame->renderer->noisy[index] & frame->filtered) ||
+        atomic_load_explicit(&frame->cancelled, memory_order_relaxed))
+        return;
     const uint32_t columns = daft_tile_columns(frame->snapshot);
     const daft_filter f = filter_of(frame);
     const uint64_t since = daft_clock_ticks();
@@ -232,43 +421,64 @@ static void pass_task(void *context, uint32_t index, uint32_t worker)
     run(frame, index, worker, frame->renderer->kernels->filter_pass);
 }
 
-/* The light of a tile's pixels: what is sharp, and what is sampled times its filtered fraction. */
+/* What is sampled, by its filtered ratio. */
+static void add_filtered(const daft_frame *frame, int kind, size_t row, int c, float *color)
+{
+    const int planes = first_plane(kind);
+    const float *ratio = plane(frame, planes + c) + row, *whole = plane(frame, planes + WHOLE + c) + row;
+    for (int x = 0; x < DAFT_TILE; x++) color[x] += whole[x] * ratio[x];
+}
+
+/* The light of a tile's pixels: what is sharp, and what is sampled. */
 static void finish_task(void *context, uint32_t index, uint32_t worker)
 {
     daft_frame *frame = context;
     daft_renderer *r = frame->renderer;
-    if (!r->noisy[index]) return;
+    if (!r->noisy[index] && frame->snapshot->preset.samples == 1) return;
     daft_scratch *s = &r->scratch[worker];
     tile_job j = daft_tile_again(frame, index, worker);
     j.refines = false, j.color = &s->color;
     const size_t first = tile_place(frame, j.number);
-    const int from = PASSES % 2 ? TO : FROM;
     float *const color[3] = {s->color.x, s->color.y, s->color.z};
     for (int c = 0; c < 3; c++)
         for (int y = 0; y < DAFT_TILE; y++) {
             const size_t row = first + (size_t)(y * stride_of(frame->snapshot));
-            const float *ratio = plane(frame, from + c) + row, *whole = plane(frame, WHOLE + c) + row,
-                        *sharp = plane(frame, SHARP + c) + row, *inverse = plane(frame, INVERSE) + row;
-            for (int x = 0; x < DAFT_TILE; x++)
-                color[c][y * DAFT_TILE + x] = sharp[x] + (inverse[x] > 0 ? whole[x] * ratio[x] : 0);
+            float *to = color[c] + y * DAFT_TILE;
+            memcpy(to, plane(frame, SHARP + c) + row, DAFT_TILE * sizeof *to);
+            for (int kind = DAFT_NOISY_LIGHT; kind <= DAFT_NOISY_GLOSS; kind++)
+                if (r->noisy[index] & kind) add_filtered(frame, kind, row, c, to);
         }
-    daft_tile_resolve(&j);
-    s->tiles[DAFT_EFFECT_DENOISE]++;
+    daft_tile_show(&j);
+    s->tiles[DAFT_EFFECT_DENOISE] += r->noisy[index] != 0;
+}
+
+static void filter_kind(daft_frame *frame, int kind)
+{
+    const int threads = frame->renderer->threads;
+    frame->filtered = kind, frame->filter_pass = 0;
+    daft_parallel_for(threads, frame->tile_count, noise_task, frame);
+    daft_parallel_for(threads, frame->tile_count, spread_task, frame);
+    for (; frame->filter_pass < PASSES; frame->filter_pass++)
+        daft_parallel_for(threads, frame->tile_count, pass_task, frame);
 }
 
 bool daft_denoise(daft_frame *frame, daft_error *error)
 {
-    daft_renderer *r = frame->renderer;
+    const daft_renderer *r = frame->renderer;
+    const daft_snapshot *s = frame->snapshot;
+    int noisy = 0;
     if (!frame->plan.denoise) return true;
-    if (frame->snapshot->past) {
+    for (uint32_t i = 0; i < frame->tile_count; i++) noisy |= r->noisy[i];
+    if (s->past) {
+        const int kinds =
+            (frame->plan.samples_light ? DAFT_NOISY_LIGHT : 0) | (frame->plan.glossy ? DAFT_NOISY_GLOSS : 0);
+        frame->filtered = kinds;
         daft_parallel_for(r->threads, frame->tile_count, reuse_task, frame);
-        if (frame->snapshot->row_count == frame->snapshot->height) daft_past_turn(frame->snapshot->past);
+        if (s->row_count == s->height && kinds & DAFT_NOISY_LIGHT) daft_past_turn(&s->past[DAFT_PAST_LIGHT]);
+        if (s->row_count == s->height && kinds & DAFT_NOISY_GLOSS) daft_past_turn(&s->past[DAFT_PAST_GLOSS]);
     }
-    frame->filter_pass = 0;
-    daft_parallel_for(r->threads, frame->tile_count, noise_task, frame);
-    daft_parallel_for(r->threads, frame->tile_count, spread_task, frame);
-    for (frame->filter_pass = 0; frame->filter_pass < PASSES; frame->filter_pass++)
-        daft_parallel_for(r->threads, frame->tile_count, pass_task, frame);
+    for (int kind = DAFT_NOISY_LIGHT; kind <= DAFT_NOISY_GLOSS; kind++)
+        if (noisy & kind) filter_kind(frame, kind);
     daft_parallel_for(r->threads, frame->tile_count, finish_task, frame);
     return !atomic_load(&frame->cancelled) || daft_fail(error, DAFT_ERROR_CANCELLED, "rendering was stopped");
 }

@@ -57,6 +57,22 @@ void daft_tile_fill_plain(tile_job *j)
     book(j, DAFT_EFFECT_SKY);
 }
 
+static void encode(const tile_job *j, const daft_lanes3 *color, int row)
+{
+    const daft_tile *tile = &j->s->tile;
+    const int at = row * DAFT_TILE;
+    j->r->shade->encode(&color->x[at], &color->y[at], &color->z[at], (uint32_t)tile->width,
+                        daft_frame_row(j->frame, tile->y + row) + 4 * (size_t)tile->x);
+}
+
+void daft_tile_show(tile_job *j)
+{
+    daft_tile_aov_color(j);
+    for (int row = 0; row < j->s->tile.height; row++) encode(j, j->color, row);
+    ran(j, DAFT_EFFECT_RESOLVE);
+    book(j, DAFT_EFFECT_RESOLVE);
+}
+
 void daft_tile_resolve(tile_job *j)
 {
     const daft_snapshot *snapshot = j->snapshot;
@@ -68,9 +84,7 @@ void daft_tile_resolve(tile_job *j)
         if (snapshot->preset.samples > 1) add_sample(j, row);
         if (!last) continue;
         if (snapshot->preset.samples > 1) mean_row(j, row, 1 / (float)snapshot->preset.samples);
-        int at = row * DAFT_TILE;
-        j->r->shade->encode(&color->x[at], &color->y[at], &color->z[at], (uint32_t)tile->width,
-                            daft_frame_row(j->frame, tile->y + row) + 4 * (size_t)tile->x);
+        encode(j, color, row);
     }
     ran(j, DAFT_EFFECT_RESOLVE);
     book(j, DAFT_EFFECT_RESOLVE);

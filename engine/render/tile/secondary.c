@@ -47,6 +47,7 @@ void daft_tile_trace(tile_job *j, const daft_ray_batch *rays, daft_effect_kind e
         count = trace_some(j, rays, first, shown, hits);
         for (uint32_t i = 0; i < count; i++)
             if (hits[i].instance == UINT32_MAX) see_sky(&s->sky, rays, first + i);
+        if (j->s->gloss && j->s->gloss->asks) daft_gloss_meet(j, rays, first, hits, count);
         j->r->kernels->hit_points(j->snapshot, rays, first, hits, count, &s->facets, next);
     }
     s->rays_cast[effect] += rays->count;
@@ -55,11 +56,21 @@ void daft_tile_trace(tile_job *j, const daft_ray_batch *rays, daft_effect_kind e
     book(j, effect);
 }
 
-void daft_tile_spawn(tile_job *j, const daft_batch *points, int depth)
+void daft_tile_spawn(tile_job *j, const daft_batch *points, int depth, uint32_t ray, uint32_t rays)
 {
     const daft_plan *plan = &j->frame->plan;
-    daft_spawning allowed = {.mirrors = plan->reflects && depth < plan->preset->mirror_depth,
-                             .min = plan->preset->min_weight};
+    const uint32_t columns = daft_tile_columns(j->snapshot);
+    const daft_spawning allowed = {.mirrors = plan->reflects && depth < plan->preset->mirror_depth,
+                                   .min = plan->preset->min_weight,
+                                   .rough = plan->glossy,
+                                   .ray = depth ? 0 : ray,
+                                   .rays = depth ? 1 : rays,
+                                   .column = j->number % columns * DAFT_TILE,
+                                   .row = j->number / columns * DAFT_TILE,
+                                   .round = (uint32_t)j->frame->sample + j->snapshot->seed,
+                                   .salt = 977u * (uint32_t)(depth + 1) + (depth ? 131u * ray : 0),
+                                   .place = j->refines ? j->s->wanted : NULL,
+                                   .turns = j->r->turns};
     bool refracts = j->frame->plan.refracts && depth < plan->preset->refraction_depth;
     j->s->rays.count = 0;
     if (!(points->traits & DAFT_TRAIT_SENDS)) return;

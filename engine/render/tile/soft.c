@@ -1,9 +1,6 @@
 /* Light that is sampled: shadows of lights that have a size, and how much of the surroundings a point sees (ambient
- * occlusion). Each point casts some rays, to places on the light or over its hemisphere, and counts those that nothing
- * stops. Places lie on a spiral of the golden angle (Vogel, "A better way to construct the sunflower head",
- * Mathematical Biosciences 44, 1979), turned by an angle of its own at each pixel; the angles of neighbours differ as
- * much as they can (the R2 sequence: Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences", 2018), so that
- * what is left of noise is fine and even. All of it in whole numbers, so that it is the same everywhere.
+ * occlusion). Each point casts some rays, to places on the light or over its hemisphere (render/dice.h), and counts
+ * those that nothing stops.
  *
  * What sampled light adds is kept apart: all of it as it would be if nothing were in its way (whole), and what arrives
  * (arrived), so that their ratio can be filtered without blurring anything else. */
@@ -14,41 +11,22 @@
 
 enum { STREAM = 256 }; /* rays that are asked together */
 
-/* The numbers of the R2 sequence, and of the golden ratio, as fractions of 2^32. */
-#define R2_X   3242174889u
-#define R2_Y   2447445414u
-#define GOLDEN 2654435769u
-
-/* Where in the picture a point of the batch counts, and what tells its samples from those of others: the picture's
- * sample, how far the path has come, and which light asks. */
-typedef struct dice {
-    uint32_t turn, radius; /* fractions of 2^32 */
-} dice;
-
-static dice throw_dice(const tile_job *j, const daft_batch *points, uint32_t i, uint32_t salt)
+/* What tells a point's samples from those of others: where in the picture it counts, the picture's sample, and which
+ * light asks. */
+static daft_dice throw_dice(const tile_job *j, const daft_batch *points, uint32_t i, uint32_t salt)
 {
     const uint32_t place = j->refines ? j->s->wanted[points->pixel[i]] : points->pixel[i];
     const uint32_t x = j->number % daft_tile_columns(j->snapshot) * DAFT_TILE + place % DAFT_TILE,
                    y = j->number / daft_tile_columns(j->snapshot) * DAFT_TILE + place / DAFT_TILE;
-    const uint32_t moved = GOLDEN * ((uint32_t)j->frame->sample + j->snapshot->seed) + 747796405u * salt;
-    return (dice){x * R2_X + y * R2_Y + moved, x * R2_Y + y * R2_X + 2 * moved};
+    return daft_dice_throw(x, y, (uint32_t)j->frame->sample + j->snapshot->seed, salt);
 }
 
 /* Point `k` of `count` in the unit disc. */
-static void disc_point(const daft_renderer *r, dice d, uint32_t k, uint32_t count, float *x, float *y)
+static void disc_point(const daft_renderer *r, daft_dice d, uint32_t k, uint32_t count, float *x, float *y)
 {
-    const uint32_t turn = d.turn + k * GOLDEN;
-    const float away = sqrtf(((float)k + (float)(d.radius >> 8) * 0x1p-24f) / (float)count);
-    const daft_vec2 unit = r->turns[turn >> (32 - DAFT_TURN_BITS)];
+    const float away = sqrtf(daft_dice_part(d, k, count));
+    const daft_vec2 unit = r->turns[daft_dice_turn(d, k)];
     *x = unit.x * away, *y = unit.y * away;
-}
-
-/* Two axes across a unit vector (Duff and others, "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017). */
-static void axes_across(daft_vec3 n, daft_vec3 *a, daft_vec3 *b)
-{
-    const float sign = n.z < 0 ? -1.0f : 1.0f, p = -1 / (sign + n.z), q = n.x * n.y * p;
-    *a = daft_v3(1 + sign * n.x * n.x * p, sign * q, -sign * n.x);
-    *b = daft_v3(q, sign + n.y * n.y * p, -n.y);
 }
 
 static daft_vec3 lane(const daft_lanes3 *v, uint32_t i) { return daft_v3(v->x[i], v->y[i], v->z[i]); }
@@ -63,7 +41,7 @@ static daft_ray ray_to_light(const tile_job *j, const daft_batch *points, uint32
     const float distance = light->sun ? 1 : sqrtf(daft_dot(to, to));
     float x, y;
     if (!(distance > 0)) return (daft_ray){.origin = from, .direction = to, .tmax = 0};
-    axes_across(daft_scale(to, 1 / distance), &a, &b);
+    daft_axes_across(daft_scale(to, 1 / distance), &a, &b);
     disc_point(j->r, throw_dice(j, points, i, salt), k, (uint32_t)j->snapshot->preset.shadow_samples, &x, &y);
     to = daft_add(to, daft_scale(daft_add(daft_scale(a, x), daft_scale(b, y)), light->radius));
     return (daft_ray){.origin = from, .direction = to, .tmax = light->sun ? INFINITY : 1};
@@ -76,7 +54,7 @@ static daft_ray ray_around(const tile_job *j, const daft_batch *points, uint32_t
     const daft_vec3 n = lane(&points->normal, i), out = lane(&points->outward, i);
     daft_vec3 a, b;
     float x, y;
-    axes_across(n, &a, &b);
+    daft_axes_across(n, &a, &b);
     disc_point(j->r, throw_dice(j, points, i, UINT32_MAX), k, (uint32_t)j->snapshot->preset.occlusion_samples, &x, &y);
     const float up = sqrtf(fmaxf(0, 1 - x * x - y * y));
     daft_vec3 to = daft_add(daft_add(daft_scale(a, x), daft_scale(b, y)), daft_scale(n, up));

@@ -148,31 +148,49 @@ static void shade_visible(tile_job *j)
     book(j, DAFT_EFFECT_SKY);
 }
 
-void daft_tile_shade(tile_job *j)
+/* What the pixels' points send on, to its end; of rough ones ray number `ray` of `rays`. */
+static void follow(tile_job *j, uint32_t ray, uint32_t rays)
 {
     daft_scratch *s = j->s;
-    daft_batch *points = &s->points, *next = &s->next;
-    shade_visible(j);
+    daft_batch *points = &s->points, *next = &s->next, *other = rays > 1 ? s->third : &s->points;
+    daft_gloss *gloss = j->refines ? NULL : s->gloss;
     for (int depth = 0;; depth++) {
         if (depth && points->count) {
             light_points(j, points, false);
             j->r->shade->scatter_add(&s->color, points->pixel, points->count, &points->weight, &points->light);
         }
-        daft_tile_spawn(j, points, depth);
-        if (s->rays.count) {
-            uint32_t shown =
-                depth == 0 && !j->refines ? daft_mirrors_tile(j->frame, j->number, j->worker, &s->tile, &s->rays) : 0;
-            daft_tile_trace(j, &s->rays, DAFT_EFFECT_REFLECTION, shown, next);
-        } else {
+        daft_tile_spawn(j, points, depth, ray, rays);
+        if (gloss && depth == 0 && gloss->some) {
+            daft_gloss_send(j, &s->rays);
+            if (j->frame->plan.refracts) daft_gloss_send(j, &s->refracted[0]);
+        }
+        daft_ray_batch *sent = &s->rays;
+        uint32_t shown = 0;
+        if (!sent->count) {
             depth = daft_tile_deepest_waiting(j, depth);
             if (depth < 0) return;
-            daft_tile_trace(j, &s->refracted[depth], DAFT_EFFECT_REFRACTION, 0, next);
-            s->refracted[depth].count = 0;
+            sent = &s->refracted[depth];
+        } else if (depth == 0 && !j->refines) {
+            shown = daft_mirrors_tile(j->frame, j->number, j->worker, &s->tile, sent);
         }
+        if (gloss) gloss->asks = gloss->some && depth == 0;
+        daft_tile_trace(j, sent, sent == &s->rays ? DAFT_EFFECT_REFLECTION : DAFT_EFFECT_REFRACTION, shown, next);
+        if (gloss) gloss->asks = false;
+        if (sent != &s->rays) sent->count = 0;
         add_sky(j, &s->sky);
-        daft_batch *done = points;
+        daft_batch *done = points == &s->points ? other : points;
         points = next, next = done;
     }
+}
+
+void daft_tile_shade(tile_job *j)
+{
+    const daft_batch *points = &j->s->points;
+    const bool rough = points->traits & DAFT_TRAIT_ROUGH && j->frame->plan.glossy;
+    const uint32_t rays = rough ? (uint32_t)j->snapshot->preset.glossy_samples : 1;
+    shade_visible(j);
+    if (rough && j->s->gloss && !j->refines) daft_gloss_begin(j, points);
+    for (uint32_t ray = 0; ray < rays; ray++) follow(j, ray, rays);
 }
 
 /* For the comparison of neighbours, once all tiles are drawn. */
@@ -206,6 +224,7 @@ void daft_render_tile(void *context, uint32_t index, uint32_t worker)
                   .worker = worker,
                   .since = daft_clock_ticks()};
     if (frame->plan.denoise) daft_denoise_begin(&j);
+    if (j.s->gloss) j.s->gloss->some = j.s->gloss->asks = false;
     daft_tile_see(&j);
     daft_tile_surfaces(&j, &frame->pencil, NULL);
     if (frame->sample == 0) daft_tile_aov(&j);

@@ -53,14 +53,24 @@ void daft_tile_add_sampled(const daft_sampled_light *sampled, daft_batch *points
  * themselves or on a way of some weight; and the light of the rest. False: there is nothing to wait for. */
 void daft_denoise_begin(const tile_job *j);
 void daft_denoise_see(const tile_job *j);
-void daft_denoise_take(const tile_job *j, const daft_batch *points, bool seen);
+void daft_denoise_take(const tile_job *j, daft_batch *points, bool seen);
 bool daft_denoise_keep(const tile_job *j);
+/* gloss.c: what rough surfaces send on, of a tile whose pixels see some: their light so far is all that is sharp; the
+ * rays that these pixels have sent; and what the rays met. Only where the frame filters it (s->gloss). */
+void daft_gloss_begin(const tile_job *j, const daft_batch *points);
+void daft_gloss_send(const tile_job *j, const daft_ray_batch *rays);
+void daft_gloss_meet(const tile_job *j, const daft_ray_batch *rays, uint32_t first, const daft_hit *hits,
+                     uint32_t count);
+static inline bool daft_gloss_is_rough(const daft_gloss *gloss, uint32_t pixel)
+{
+    return gloss && gloss->some && gloss->rough[pixel / 32] >> (pixel % 32) & 1;
+}
 /* The fraction of the light that arrives through what transmits, once for each instance in between, however thick.
  * NULL: nothing is in between. */
 const daft_lanes3 *daft_tile_tints(tile_job *j, const daft_batch *points, const daft_light_source *light);
 /* secondary.c: the rays that points `depth` surfaces away send on, into s->rays, and s->refracted[depth] where some
- * transmit. */
-void daft_tile_spawn(tile_job *j, const daft_batch *points, int depth);
+ * transmit; of rough ones that pixels see number `ray` of `rays`. */
+void daft_tile_spawn(tile_job *j, const daft_batch *points, int depth, uint32_t ray, uint32_t rays);
 /* Traces rays: hits become the batch `next`, misses see s->sky. `shown`: bits of the planar mirrors that know their
  * rays' hits. */
 void daft_tile_trace(tile_job *j, const daft_ray_batch *rays, daft_effect_kind effect, uint32_t shown,
@@ -68,8 +78,9 @@ void daft_tile_trace(tile_job *j, const daft_ray_batch *rays, daft_effect_kind e
 /* The deepest of the refracted rays that wait for points at `depth` or less to be done. Deeper ones have been followed,
  * so one batch for each depth is room enough. -1: none. */
 int daft_tile_deepest_waiting(const tile_job *j, int depth);
-/* resolve.c: j->color into the picture's bytes, over all samples. */
+/* resolve.c: j->color into the picture's bytes, over all samples; or as it is. */
 void daft_tile_resolve(tile_job *j);
+void daft_tile_show(tile_job *j);
 /* The bytes of a tile that sees nothing but a sky of one colour. */
 bool daft_tile_is_plain(const tile_job *j);
 void daft_tile_fill_plain(tile_job *j);

@@ -24,6 +24,7 @@ static daft_surface surface_from(const daft_material_def *def)
         .transmission = def->transmission,
         .index = def->refractive_index,
         .shininess = def->shininess,
+        .alpha = def->roughness * def->roughness,
         .texture = def->diffuse_map.id ? daft_asset_index(def->diffuse_map.id) : DAFT_NO_TEXTURE,
         .map_scale = def->map_scale,
     };
@@ -159,6 +160,7 @@ daft_material daft_material_from_mtl(daft_scene *scene, const daft_mtl *mtl, daf
     def.diffuse = mtl->diffuse;
     def.emission = mtl->emission;
     def.shininess = mtl->shininess < 1000 ? mtl->shininess : 1000;
+    def.roughness = mtl->roughness;
     daft_material_transmit(mtl, &def);
     illuminate(mtl, &def);
     if (mtl->file[0] && !daft_scene_note_file(scene, mtl->file, error)) return (daft_material){0};

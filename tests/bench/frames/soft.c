@@ -1,9 +1,11 @@
-/* Rows `denoise, NAME`: the scenes of assets/scenes with lights that have a size and with ambient occlusion, at
- * 1280x720, by so many rays a point, with and without denoising: the time of a frame, and how far the picture is from
- * one of 256 rays, by FLIP and by the root of the mean square in linear light. One sample a pixel in all of them, so
- * that edges do not count.
+/* Rows `denoise, NAME`: the scenes of assets/scenes with lights that have a size, ambient occlusion and, where they
+ * have them, rough surfaces, at 1280x720, by so many rays a point, with and without denoising: the time of a frame, and
+ * how far the picture is from one of 128 rays, by FLIP and by the root of the mean square in linear light. With one
+ * sample a pixel edges do not count; rows of four samples are compared with sixteen of 4 rays. Rows `after 8 pictures`
+ * draw the last of eight along which the camera moves, and reuse what those before it found.
  *
- * Scenes whose lights are points get sizes when they are read: suns a disc of 1.5 degrees, others a radius of 15 cm. */
+ * Scenes whose lights are points get sizes when they are read: suns a disc of 1.5 degrees, others a radius of 15 cm;
+ * but for `studio`, in which rough surfaces alone are sampled. */
 #include "harness/bench.h"
 
 #include "accuracy/metrics.h"
@@ -12,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { WIDTH = 1280, HEIGHT = 720, RUNS = 3, TRUTH_RAYS = 64, TRUTH_PICTURES = 4 };
+enum { WIDTH = 1280, HEIGHT = 720, RUNS = 2, TRUTH_RAYS = 32, TRUTH_PICTURES = 4, MOVES = 8 };
 
 /* ---- scenes ---- */
 
@@ -56,7 +58,8 @@ static int64_t read_file(void *user, const char *path, void *bytes, uint64_t cap
     char *text = daft_read_file(NULL, full, &size, error);
     if (!text) return -1;
     const char *dot = strrchr(path, '.');
-    char *soft = dot && strcmp(dot, ".scene") == 0 ? soften(text, &size) : text;
+    const bool scene = dot && strcmp(dot, ".scene") == 0 && !strstr(path, "studio");
+    char *soft = scene ? soften(text, &size) : text;
     if (soft && size <= capacity) memcpy(bytes, soft, size);
     if (soft != text) free(soft);
     free(text);
@@ -107,28 +110,61 @@ static void close_show(soft_show *s)
     daft_files_destroy(s->files);
 }
 
+/* One row's settings. */
+typedef struct setting {
+    int rays, samples;
+    bool denoise, moves;
+} setting;
+
+/* Milliseconds; negative on failure. */
+static double draw_once(soft_show *s, int threads, daft_error *error)
+{
+    double start = bench_clock_ms(threads);
+    if (!daft_render(s->scene, &s->view, s->image, error)) return -1;
+    return bench_clock_ms(threads) - start;
+}
+
+/* The last of some pictures, where a camera arrives that goes sideways by 1 cm and turns by 0.003 each. */
+static double draw_moving(soft_show *s, int threads, daft_error *error)
+{
+    const daft_camera end = s->view.camera;
+    double ms = -1;
+    if (!(s->view.history = daft_history_create(s->engine, error))) return -1;
+    for (int k = MOVES - 1; k >= 0; k--) {
+        s->view.camera = end;
+        s->view.camera.yaw += 0.003f * (float)k;
+        s->view.camera.position.x += 0.01 * k * daft_sin((double)end.yaw);
+        s->view.camera.position.z -= 0.01 * k * daft_cos((double)end.yaw);
+        if ((ms = draw_once(s, threads, error)) < 0) break;
+    }
+    daft_history_destroy(s->view.history);
+    s->view.history = NULL, s->view.camera = end;
+    return ms;
+}
+
 /* Milliseconds, the best of some; negative on failure. */
-static double draw(soft_show *s, int rays, bool denoise, int runs, int threads, daft_error *error)
+static double draw(soft_show *s, const setting *how, int runs, int threads, daft_error *error)
 {
     double best = -1;
-    s->view.shadow_samples = s->view.occlusion_samples = rays, s->view.denoise = denoise;
+    s->view.shadow_samples = s->view.occlusion_samples = s->view.glossy_samples = how->rays;
+    s->view.denoise = how->denoise, s->view.samples = how->samples;
     for (int i = 0; i < runs; i++) {
-        double start = bench_clock_ms(threads);
-        if (!daft_render(s->scene, &s->view, s->image, error)) return -1;
-        double ms = bench_clock_ms(threads) - start;
+        double ms = how->moves ? draw_moving(s, threads, error) : draw_once(s, threads, error);
+        if (ms < 0) return -1;
         if (best < 0 || ms < best) best = ms;
     }
     return best;
 }
 
-/* The mean of some pictures of 64 rays with different ones, by a history that counts them. */
+/* The mean of some pictures of 32 rays with different ones, by a history that counts them. */
 static bool find_truth(soft_show *s, int threads, daft_error *error)
 {
+    static const setting MANY = {.rays = TRUTH_RAYS, .samples = 1};
     const size_t bytes = 4 * WIDTH * HEIGHT;
     double *sum = calloc(bytes, sizeof *sum);
     bool good = sum && (s->view.history = daft_history_create(s->engine, error));
     for (int k = 0; good && k < TRUTH_PICTURES; k++) {
-        good = draw(s, TRUTH_RAYS, false, 1, threads, error) >= 0;
+        good = draw(s, &MANY, 1, threads, error) >= 0;
         const uint8_t *rgba = daft_image_pixels(s->image);
         for (size_t i = 0; good && i < bytes; i++) sum[i] += metrics_to_linear(rgba[i]) / TRUTH_PICTURES;
     }
@@ -139,29 +175,39 @@ static bool find_truth(soft_show *s, int threads, daft_error *error)
     return good;
 }
 
-static bool measure(bench *self, soft_show *s, const char *name, int rays, bool denoise, int threads, daft_error *error)
+/* The truth for more than one sample. */
+static bool find_smooth_truth(soft_show *s, int threads, daft_error *error)
+{
+    static const setting MANY = {.rays = 4, .samples = 16};
+    if (draw(s, &MANY, 1, threads, error) < 0) return false;
+    memcpy(s->truth, daft_image_pixels(s->image), 4 * WIDTH * HEIGHT);
+    return true;
+}
+
+static bool measure(bench *self, soft_show *s, const char *name, const setting *how, int threads, daft_error *error)
 {
     bench_row row = {.unit = "ms", .isa = self->isa, .threads = threads, .peer = -1};
     picture_errors e;
-    row.ours = draw(s, rays, denoise, RUNS, threads, error);
+    row.ours = draw(s, how, RUNS, threads, error);
     if (row.ours < 0 || !metrics_compare(daft_image_pixels(s->image), s->truth, WIDTH, HEIGHT, NULL, &e, error))
         return false;
     snprintf(row.scene, sizeof row.scene, "%s", name);
-    snprintf(row.what, sizeof row.what, "%d ray%s%s", rays, rays == 1 ? "" : "s", denoise ? ", denoised" : "");
+    snprintf(row.what, sizeof row.what, "%s%d ray%s%s%s", how->samples > 1 ? "4 samples, " : "", how->rays,
+             how->rays == 1 ? "" : "s", how->denoise ? ", denoised" : "", how->moves ? ", after 8 pictures" : "");
     const daft_effect *effects = daft_scene_counters(s->scene)->effects;
-    snprintf(row.counters, sizeof row.counters, "FLIP %.4f, RMSE %.4f; ms: shadow %.1f occlusion %.1f denoise %.1f",
-             e.flip, e.rmse, effects[DAFT_EFFECT_SHADOW].ms, effects[DAFT_EFFECT_OCCLUSION].ms,
+    snprintf(row.counters, sizeof row.counters,
+             "FLIP %.4f, RMSE %.4f; ms: shadow %.1f occlusion %.1f reflection %.1f denoise %.1f", e.flip, e.rmse,
+             effects[DAFT_EFFECT_SHADOW].ms, effects[DAFT_EFFECT_OCCLUSION].ms, effects[DAFT_EFFECT_REFLECTION].ms,
              effects[DAFT_EFFECT_DENOISE].ms);
     return bench_add(self, &row);
 }
 
 void bench_denoise(bench *self)
 {
-    static const char *const NAMES[] = {"lamps", "hello", "temple", "islands", "forest", "hall", "town"};
-    static const struct {
-        int rays;
-        bool denoise;
-    } SETTINGS[] = {{1, false}, {1, true}, {2, false}, {4, false}, {4, true}, {8, false}, {16, false}};
+    static const char *const NAMES[] = {"lamps", "studio", "hello", "temple", "islands", "forest", "hall", "town"};
+    static const setting SETTINGS[] = {
+        {1, 1, false, false}, {1, 1, true, false},  {1, 1, true, true},    {2, 1, false, false}, {4, 1, false, false},
+        {4, 1, true, false},  {8, 1, false, false}, {16, 1, false, false}, {1, 4, false, false}, {1, 4, true, false}};
     int counts[2], count = bench_thread_counts(self, counts);
     for (size_t i = 0; i < DAFT_COUNT_OF(NAMES); i++) {
         char name[64], text[1200];
@@ -171,8 +217,11 @@ void bench_denoise(bench *self)
             daft_error error = {0};
             fprintf(stderr, "%s, %d thread%s\n", name, counts[t], counts[t] == 1 ? "" : "s");
             bool good = open_show(self, NAMES[i], counts[t], &s, &error) && find_truth(&s, counts[t], &error);
-            for (size_t k = 0; good && k < DAFT_COUNT_OF(SETTINGS); k++)
-                good = measure(self, &s, name, SETTINGS[k].rays, SETTINGS[k].denoise, counts[t], &error);
+            for (size_t k = 0; good && k < DAFT_COUNT_OF(SETTINGS); k++) {
+                const bool smooth = SETTINGS[k].samples > 1 && SETTINGS[k - 1].samples == 1;
+                good = (!smooth || find_smooth_truth(&s, counts[t], &error)) &&
+                       measure(self, &s, name, &SETTINGS[k], counts[t], &error);
+            }
             if (!good) bench_note(self, true, "%s: %s", name, daft_error_text(&error, text, sizeof text));
             close_show(&s);
         }

@@ -16,6 +16,8 @@ static const daft_field ROWS[] = {
     ROW(mirror, FROM(0, 1), .lua = "mirror", .doc = "The weight of the mirrored ray's light"),
     COLOR(mirror_tint, ZERO_OR_MORE, .initial = {1, 1, 1}, .lua = "mirror_tint",
           .doc = "The mirrored light is multiplied by it"),
+    ROW(roughness, FROM(0, 1), .lua = "roughness",
+        .doc = "How rough it is where it mirrors or lets light through: 0 is smooth (Pr)"),
     COLOR(emission, ZERO_OR_MORE, .lua = "emission", .flags = DAFT_FIELD_UNIFORM,
           .doc = "Light that it gives off by itself; it lights nothing else"),
     ROW(transmission, FROM(0, 1), .lua = "transmission",
