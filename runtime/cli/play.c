@@ -5,6 +5,7 @@
 #include "game/loop.h"
 #include "game/menu.h"
 #include "game/session.h"
+#include "game/costs.h"
 #include "platform/seal.h"
 #include "common/util.h"
 
@@ -31,6 +32,8 @@ typedef struct play_options {
     cli_size size;
     double scale, seconds;
     daft_quality quality;
+    double target_ms;
+    char costs[PATH_SIZE]; /* the folder that remembers what pictures cost; empty: none */
     uint64_t memory;
     const char *sandbox, *record, *replay, *isa, *shot, *stats, *game;
 } play_options;
@@ -62,6 +65,10 @@ static session_def base_session(const player *p)
                          .face = p->face,
                          .quality = quality_or(o, DAFT_QUALITY_GAME),
                          .scale = o->scale,
+                         .target_ms = o->target_ms >= 0         ? o->target_ms
+                                      : o->quality == NOT_GIVEN ? -1
+                                                                : 0,
+                         .costs = o->costs[0] ? o->costs : NULL,
                          .fixed_size = p->screen->headless,
                          .seed = (uint64_t)o->seed,
                          .ticks = (uint64_t)o->ticks,
@@ -122,9 +129,10 @@ static bool seal(const player *p, const session_def *session)
     daft_error error;
     if (strcmp(o->sandbox, "off") == 0) return true;
     seal_def def = {.readable = {p->source.files ? p->game.folder : p->where.games, p->where.assets, p->where.scripts,
-                                 session->replay},
+                                 session->replay, session->costs},
                     .writable = {folder_of(session->record, folders[0]), folder_of(session->shot, folders[1]),
-                                 folder_of(session->stats, folders[2]), p->screen->headless ? NULL : "."},
+                                 folder_of(session->stats, folders[2]), p->screen->headless ? NULL : ".",
+                                 session->costs},
                     .window = !p->screen->headless};
     if (seal_process(&def, &error)) return true;
     report(&error);
@@ -230,6 +238,7 @@ static int play(player *p)
     cli_size size = p->options.size.width ? p->options.size : (cli_size){1280, 720};
     p->screen = platform_open_sdl("DAFT", size.width, size.height, &error);
     if (!p->screen) return play_demo(p, error.message);
+    if (!costs_folder(p->options.costs, sizeof p->options.costs)) p->options.costs[0] = 0;
     if (!p->options.game) return play_menu(p);
     session_def session = base_session(p);
     if (!seal(p, &session)) return STATUS_BAD_INPUT;
@@ -243,6 +252,7 @@ int command_play(int argc, char **argv)
                             .memory = HOST_MEMORY,
                             .seconds = WATCHDOG_SECONDS,
                             .quality = NOT_GIVEN,
+                            .target_ms = -1,
                             .seed = 1}};
     play_options *o = &p.options;
     const cli_option options[] = {
@@ -258,6 +268,10 @@ int command_play(int argc, char **argv)
         {"size", 0, CLI_SIZE, "WxH", &o->size, 16, 8192,
          "size of the window (1280x720); headless: of the picture (320x180)"},
         {"scale", 0, CLI_NUMBER, "F", &o->scale, 0, 4, "resolution of the picture relative to the window (1)"},
+        {"target-ms", 0, CLI_NUMBER, "MS", &o->target_ms, 0, 1000,
+         "in a window: what a frame may take, by less exact pictures where it must be; 0: any (what the game asks for, "
+         "or "
+         "16.7; with --quality: any)"},
         {"quality", 'q', CLI_QUALITY, "Q", &o->quality, 0, 0, "draft, game (default), high or reference"},
         {"threads", 't', CLI_COUNT, "N", &o->threads, 0, 64,
          "worker threads; 0, the default, is one for each processor"},

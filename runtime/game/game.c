@@ -158,6 +158,7 @@ static bool render(game_state *state, daft_image *picture, float alpha)
     view.alpha = alpha;
     view.quality = state->def.quality;
     view.history = state->def.history;
+    governor_apply(state->def.governor, &view);
     view.progress = keep_drawing;
     view.progress_user = state->scripts.dog;
     daft_error error;

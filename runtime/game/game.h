@@ -1,5 +1,5 @@
 /* game: everything from one tick of a game to a session at a window.
- * Public headers: session.h menu.h game.h recording.h loop.h
+ * Public headers: session.h menu.h game.h recording.h loop.h governor.h costs.h
  * session.h plays a game on a platform, menu.h chooses one, recording.h reads and writes input, loop.h is the fixed
  * time step, and game.h (this) runs one game, tick by tick, without a window or a clock. One tick stores the poses for
  * interpolation, applies the input (live or recorded), calls daft.keypressed and daft.keyreleased, then
@@ -11,6 +11,7 @@
 
 #include "files/source.h"
 #include "lua/host.h"
+#include "game/governor.h"
 #include "game/recording.h"
 
 typedef struct game_def {
@@ -24,6 +25,7 @@ typedef struct game_def {
     recording *replay;        /* or NULL; must outlive the game */
     recorder *record;         /* or NULL; must outlive the game */
     daft_history *history;    /* of pictures that follow each other on a screen; or NULL; must outlive the game */
+    const governor *governor; /* chooses knobs of pictures; or NULL; must outlive the game */
     double seconds;           /* one call into the game may take; 0: WATCHDOG_SECONDS */
     int (*asked)(void *user); /* whether the game is to stop: see watchdog_def. May be NULL */
     void *user;

@@ -1,6 +1,8 @@
 /* Plays one game on a platform. */
 #include "game/session.h"
 
+#include "game/costs.h"
+#include "game/governor.h"
 #include "game/loop.h"
 #include "hud/screens.h"
 #include "common/stop.h"
@@ -16,8 +18,12 @@ enum { HASH_TICKS = 60 };
 
 typedef struct session {
     const session_def *def;
+    session_def now; /* with the picture's size as the governor wants it */
     const game_info *info;
     const game_source *source;
+    governor pace;
+    bool governs;
+    double drawn_ms; /* of the frame at work, and its updates */
     game_state play;
     recording replay;
     recorder *record;
@@ -73,14 +79,20 @@ void session_scale_mouse(platform *screen, input_event *event)
 
 static void draw_overlay(session *s)
 {
-    overlay_figures figures = {s->turn_ms > 0 ? 1000 / s->turn_ms : 0,
-                               s->frame_ms,
-                               s->update_ms,
-                               s->clock.dropped,
-                               daft_scene_counters(s->play.scene),
-                               daft_scene_sim_counters(s->play.scene),
-                               daft_engine_memory(s->def->engine)};
+    overlay_figures figures = {.frames_per_second = s->turn_ms > 0 ? 1000 / s->turn_ms : 0,
+                               .frame_ms = s->frame_ms,
+                               .update_ms = s->update_ms,
+                               .dropped = s->clock.dropped,
+                               .counters = daft_scene_counters(s->play.scene),
+                               .simulation = daft_scene_sim_counters(s->play.scene),
+                               .memory = daft_engine_memory(s->def->engine)};
     canvas over = canvas_over(s->picture);
+    char quality[160];
+    if (s->governs) {
+        const governor *g = &s->pace;
+        snprintf(quality, sizeof quality, "%s for %.1f ms: %s", governor_rung_at(g->rung)->name, g->target_ms, g->why);
+        figures.quality = quality, figures.slow_ms = governor_slow_ms(g);
+    }
     screen_overlay(&over, s->def->face, &figures);
 }
 
@@ -89,11 +101,11 @@ static double smooth(double before, double now) { return before > 0 ? before * 0
 /* Draws the game, or the error that stopped it. */
 static bool draw(session *s, float alpha, daft_error *error)
 {
-    if (!session_fit_picture(s->def, &s->picture, error)) return false;
+    if (!session_fit_picture(&s->now, &s->picture, error)) return false;
     uint64_t began = clock_now_ns();
     if (game_draw(&s->play, s->picture, alpha)) {
         double ms = (double)(clock_now_ns() - began) / 1e6;
-        s->frame_ms = smooth(s->frame_ms, ms);
+        s->frame_ms = smooth(s->frame_ms, ms), s->drawn_ms += ms;
         if (s->def->stats) frame_times_add(&s->times, ms, daft_scene_counters(s->play.scene));
         if (s->overlay) draw_overlay(s);
     } else {
@@ -247,8 +259,35 @@ static bool run_updates(session *s, int updates, daft_error *error)
         game_tick(&s->play);
         if (s->play.ticks > before && !s->play.failed && !after_tick(s, error)) return false;
     }
-    if (updates > 0 && !s->play.failed) s->update_ms = smooth(s->update_ms, (double)(clock_now_ns() - began) / 1e6);
+    const double ms = (double)(clock_now_ns() - began) / 1e6;
+    if (updates > 0 && !s->play.failed) s->update_ms = smooth(s->update_ms, ms), s->drawn_ms += ms;
     return true;
+}
+
+/* The time that a frame may take: the player's word goes first, then the game's. In a window a picture is wanted 60
+ * times a second. */
+static double target_of(const session *s)
+{
+    const double player = s->def->target_ms, game = s->play.scripts.target_ms;
+    if (s->def->screen->headless) return 0;
+    return player >= 0 ? player : game >= 0 ? game : 1000.0 / 60;
+}
+
+/* Between two frames. `elapsed`: since the one before. */
+static void govern(session *s, double elapsed)
+{
+    const double target = target_of(s), spent = s->drawn_ms;
+    s->drawn_ms = 0;
+    if (target != (s->governs ? s->pace.target_ms : 0)) {
+        double costs[GOVERNOR_RUNGS];
+        const bool known = costs_load(s->def->costs, s->info->name, costs);
+        governor_begin(&s->pace, target, s->governs ? s->pace.cost : known ? costs : NULL);
+        s->governs = target > 0;
+    } else if (s->governs && spent > 0 && !s->play.failed) {
+        governor_frame(&s->pace, spent, elapsed);
+    }
+    s->play.def.governor = s->governs ? &s->pace : NULL;
+    s->now.scale = s->governs ? s->def->scale * governor_rung_at(s->pace.rung)->scale : s->def->scale;
 }
 
 /* The game holds the mouse while it asks for it; the error screen releases it. */
@@ -271,6 +310,7 @@ static bool turn(session *s, daft_error *error)
     uint64_t elapsed = now - s->last_ns;
     s->last_ns = now;
     if (s->turns++ > 1) s->turn_ms = smooth(s->turn_ms, (double)elapsed / 1e6); /* the first turns have no interval */
+    govern(s, (double)elapsed / 1e6);
     if (!run_updates(s, loop_advance(&s->clock, elapsed), error)) return false;
     if (!atomic_load(&s->leaving) && (s->def->every_frame || screen->wants_frame(screen))) {
         if (!draw(s, loop_alpha(&s->clock), error) || !screen->present(screen, s->picture, error)) return false;
@@ -349,7 +389,7 @@ static bool leave(session *s, daft_error *error)
 
 session_end session_play(const session_def *def, const game_info *info, daft_error *error)
 {
-    session s = {.def = def, .info = info};
+    session s = {.def = def, .now = *def, .info = info};
     char title[160];
     snprintf(title, sizeof title, "%s - DAFT", info->title);
     def->screen->set_title(def->screen, title);
@@ -359,6 +399,7 @@ session_end session_play(const session_def *def, const game_info *info, daft_err
     s.source = def->source ? def->source : &own;
     good = good && run(&s, error);
     if (!leave(&s, good ? error : NULL)) good = false;
+    if (s.governs && s.pace.changes) costs_save(def->costs, info->name, s.pace.cost);
     bool failed = s.play.failed && (def->screen->headless || s.play.over);
     if (s.play.scene || s.play.scripts.L) game_close(&s.play);
     daft_history_destroy(s.history);

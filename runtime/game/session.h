@@ -17,8 +17,11 @@ typedef struct session_def {
     const game_source *source; /* the game's files; NULL: the session opens them */
     font *face;
     daft_quality quality;
-    double scale;    /* resolution of the picture relative to the window */
-    bool fixed_size; /* the picture has exactly the size of the window */
+    double scale;     /* resolution of the picture relative to the window */
+    double target_ms; /* that a frame may take, by pictures that cost less; 0: any; below 0: as the game says, or 1/60 s
+                       */
+    const char *costs; /* folder that remembers what pictures cost, or NULL */
+    bool fixed_size;   /* the picture has exactly the size of the window */
     uint64_t seed;
     uint64_t ticks;              /* end after so many; 0: the recording's end, or never */
     bool hash;                   /* print a line every 60 ticks and at the end */

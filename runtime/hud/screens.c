@@ -48,7 +48,7 @@ static void overlay_line(const canvas *target, font *face, float *y, const char 
 void screen_overlay(const canvas *target, font *face, const overlay_figures *figures)
 {
     const daft_counters *c = figures->counters;
-    size_t lines = 11;
+    size_t lines = figures->quality ? 15 : 11;
     for (size_t i = 0; i < DAFT_EFFECT_COUNT; i++) lines += c->effects[i].name != NULL;
     canvas_rect(target, 12, 12, 288, 16 + 21 * (float)lines, (canvas_color){10, 14, 24, 190});
     float y = 20;
@@ -88,4 +88,9 @@ void screen_overlay(const canvas *target, font *face, const overlay_figures *fig
     snprintf(value, sizeof value, memory->limit ? "%.1f of %.0f MB" : "%.1f MB", (double)memory->used / 1e6,
              (double)memory->limit / 1e6);
     overlay_line(target, face, &y, "memory", value);
+    if (!figures->quality) return;
+    snprintf(value, sizeof value, "%.2f ms", figures->slow_ms);
+    overlay_line(target, face, &y, "95 % of frames within", value);
+    const text_style style = {17, GREY, TEXT_LEFT, false};
+    text_draw_wrapped(target, face, figures->quality, 22, y, 266, &style);
 }

@@ -13,6 +13,8 @@ typedef struct overlay_figures {
     const daft_counters *counters;
     daft_sim_counters simulation; /* of the last tick */
     daft_memory memory;
+    const char *quality; /* what keeps frames in time, and why; or NULL */
+    double slow_ms;      /* the 95th percentile of frames, with it */
 } overlay_figures;
 
 void screen_overlay(const canvas *target, font *face, const overlay_figures *figures);

@@ -442,7 +442,7 @@ static int run_main(lua_State *L)
 
 bool host_open(host *state, const host_def *def)
 {
-    *state = (host){.def = *def, .hud_width = CANVAS_HEIGHT * 16.0f / 9.0f};
+    *state = (host){.def = *def, .target_ms = -1, .hud_width = CANVAS_HEIGHT * 16.0f / 9.0f};
     random_seed(&state->random, def->seed);
     random_seed(&state->draw_random, ~def->seed);
     state->L = lua_newstate(allocate, state);

@@ -54,6 +54,7 @@ typedef struct host {
     float hud_width;             /* of the last picture */
     bool replaying;              /* daft.input.set does nothing: the recording has what it did */
     bool quit, restart, grab;    /* wishes of the script */
+    double target_ms;            /* that a frame may take; 0: any; below 0: the script has not said */
     const api_function *calling; /* the binding that runs, for messages */
     const char *callback;        /* the callback that runs, for messages */
     uint64_t call_ran;           /* instructions, in steps of WATCH_STEP */

@@ -120,6 +120,17 @@ static int load_scene(lua_State *L, host *h)
     return 0;
 }
 
+static int quality(lua_State *L, host *h)
+{
+    static const char *const NAMES[] = {"target_ms"};
+    api_fields(L, h, 1, NULL, NAMES, COUNT_OF(NAMES));
+    if (!api_field(L, 1, "target_ms")) return 0;
+    const double ms = api_number(L, h, -1, "target_ms");
+    if (ms != 0 && !(ms >= 1 && ms <= 1000)) api_wrong(L, h, -1, "target_ms", "number from 1 to 1000, or 0");
+    h->target_ms = ms;
+    return 0;
+}
+
 static const api_function FUNCTIONS[] = {
     {"raycast", "(from, direction [, max_distance [, ignore]]) -> hit or nil",
      "The nearest visible entity along a ray: {entity =, distance =, position =, normal =, triangle =}.\n"
@@ -135,6 +146,10 @@ static const api_function FUNCTIONS[] = {
     {"randomseed", "([seed])", "Starts the sequence again; math.randomseed is the same function.", random_reseed,
      API_CHANGES},
     {"scene", "(\"file.scene\")", "Adds what a scene file describes.", load_scene, API_CHANGES},
+    {"quality", "{target_ms =}",
+     "Asks for frames that take at most so many milliseconds, by pictures that are less exact where they\n"
+     "must be; 0: whatever they take. What the player asked for goes first. Nothing else changes.",
+     quality, 0},
     {"restart", "()", "Starts the game afresh after this tick.", restart, API_CHANGES},
     {"quit", "()", "Ends the game after this tick.", quit, API_CHANGES},
 };

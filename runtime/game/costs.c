@@ -1,0 +1,73 @@
+/* Files of costs: a line that says what it is, and a number for each rung. */
+#include "game/costs.h"
+
+#include "common/util.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+static const char HEAD[] = "daft frame costs 1\n";
+
+static bool make_folder(const char *path) { return mkdir(path, 0700) == 0 || errno == EEXIST; }
+
+bool costs_folder(char *out, size_t size)
+{
+    const char *cache = getenv("XDG_CACHE_HOME"), *home = getenv("HOME");
+    int length = -1;
+    if (cache && cache[0] == '/')
+        length = snprintf(out, size, "%s", cache);
+    else if (home && home[0] == '/')
+        length = snprintf(out, size, "%s/.cache", home);
+    if (length < 0 || (size_t)length + sizeof "/daft" > size || !make_folder(out)) return false;
+    memcpy(out + length, "/daft", sizeof "/daft");
+    return make_folder(out);
+}
+
+/* A game's name is that of a folder, or of a file. */
+static bool path_of(const char *folder, const char *game, char out[PATH_SIZE])
+{
+    if (!folder) return false;
+    const int length =
+        snprintf(out, PATH_SIZE, "%s/%016llx.costs", folder, (unsigned long long)daft_hash(game, strlen(game), 0));
+    return length > 0 && length < PATH_SIZE;
+}
+
+static bool parse(const char *text, double costs[GOVERNOR_RUNGS])
+{
+    if (strncmp(text, HEAD, sizeof HEAD - 1) != 0) return false;
+    const char *at = text + sizeof HEAD - 1;
+    for (int i = 0; i < GOVERNOR_RUNGS; i++) {
+        char *end;
+        costs[i] = strtod(at, &end);
+        if (end == at || !(costs[i] > 0 && costs[i] < 20)) return false;
+        at = end;
+    }
+    return true;
+}
+
+bool costs_load(const char *folder, const char *game, double costs[GOVERNOR_RUNGS])
+{
+    char path[PATH_SIZE];
+    daft_error ignored;
+    size_t size;
+    if (!path_of(folder, game, path)) return false;
+    char *text = daft_read_file(NULL, path, &size, &ignored); /* ends with a 0 */
+    if (!text) return false;
+    const bool good = parse(text, costs);
+    free(text);
+    return good;
+}
+
+void costs_save(const char *folder, const char *game, const double costs[GOVERNOR_RUNGS])
+{
+    char path[PATH_SIZE], text[1024];
+    daft_error ignored;
+    if (!path_of(folder, game, path)) return;
+    size_t size = (size_t)snprintf(text, sizeof text, "%s", HEAD);
+    for (int i = 0; i < GOVERNOR_RUNGS; i++)
+        size += (size_t)snprintf(text + size, sizeof text - size, "%.4f\n", costs[i]);
+    daft_write_file(path, text, size, &ignored);
+}

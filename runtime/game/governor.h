@@ -1,0 +1,52 @@
+/* The governor: keeps the frames of a game under a time by what their pictures cost, never by the game itself.
+ *
+ * It stands on one of a few rungs, each a set of knobs, from cheap to close to the reference. The work of each frame
+ * goes in; where too many are over the time it steps down, to the first rung that is expected to keep it, and where the
+ * next rung is expected to keep it with room to spare, it steps up. What a rung costs beside the next it learns from
+ * the frames before and after each change; these figures may be kept for the next time.
+ * Promises: at most one change a second; reads no clock, so the same figures give the same rungs. */
+#ifndef RUNTIME_GAME_GOVERNOR_H
+#define RUNTIME_GAME_GOVERNOR_H
+
+#include "daft.h"
+
+enum { GOVERNOR_RUNGS = 8, GOVERNOR_FRAMES = 60 };
+
+/* Knobs of a rung; the rest is the quality's. */
+typedef struct governor_rung {
+    const char *name;
+    double scale;     /* sides of the picture, relative to what is shown */
+    int edge_samples; /* as in daft_view */
+    int mirror_depth;
+    bool sampled; /* soft shadows, ambient occlusion and rough mirrors */
+} governor_rung;
+
+typedef struct governor {
+    double target_ms;
+    int rung;
+    double cost[GOVERNOR_RUNGS]; /* of a frame, relative to that of the quality itself */
+    const char *why;             /* of the last change, for people */
+    uint64_t changes;
+    /* inner: */
+    double recent[GOVERNOR_FRAMES]; /* milliseconds of the frames on this rung, the latest at `frames` - 1 */
+    uint64_t frames;                /* on this rung */
+    double since_ms;                /* since the last change */
+    double hold_ms;                 /* after which it may step up again */
+    double before_ms;               /* a frame's on the rung before, until it is known what the change did; else 0 */
+    int before;                     /* that rung */
+} governor;
+
+const governor_rung *governor_rung_at(int rung);
+/* The rung that draws just what the quality says. */
+int governor_full(void);
+/* `costs`: GOVERNOR_RUNGS of an earlier time, or NULL. Begins on the rung of the quality itself. */
+void governor_begin(governor *g, double target_ms, const double *costs);
+/* After each frame: what it took to update and draw, and the time since the frame before. True: another rung. */
+bool governor_frame(governor *g, double work_ms, double turn_ms);
+/* The 95th percentile of the last frames on this rung, at most GOVERNOR_FRAMES, but for those that are slow for another
+ * reason than their picture; 0 before the first. */
+double governor_slow_ms(const governor *g);
+/* Replaces the view's knobs; draws in full where `g` is NULL. */
+void governor_apply(const governor *g, daft_view *view);
+
+#endif
