@@ -33,6 +33,8 @@ typedef struct play_options {
     double scale, seconds;
     daft_quality quality;
     double target_ms;
+    const char *saves;
+    char kept[PATH_SIZE];  /* the folder of what games keep; empty: none */
     char costs[PATH_SIZE]; /* the folder that remembers what pictures cost; empty: none */
     uint64_t memory;
     const char *sandbox, *record, *replay, *isa, *shot, *stats, *game;
@@ -68,6 +70,7 @@ static session_def base_session(const player *p)
                          .target_ms = o->target_ms >= 0         ? o->target_ms
                                       : o->quality == NOT_GIVEN ? -1
                                                                 : 0,
+                         .saves = o->kept[0] ? o->kept : NULL,
                          .costs = o->costs[0] ? o->costs : NULL,
                          .fixed_size = p->screen->headless,
                          .seed = (uint64_t)o->seed,
@@ -129,10 +132,10 @@ static bool seal(const player *p, const session_def *session)
     daft_error error;
     if (strcmp(o->sandbox, "off") == 0) return true;
     seal_def def = {.readable = {p->source.files ? p->game.folder : p->where.games, p->where.assets, p->where.scripts,
-                                 session->replay, session->costs},
+                                 session->replay, session->costs, session->saves},
                     .writable = {folder_of(session->record, folders[0]), folder_of(session->shot, folders[1]),
                                  folder_of(session->stats, folders[2]), p->screen->headless ? NULL : ".",
-                                 session->costs},
+                                 session->costs, session->saves},
                     .window = !p->screen->headless};
     if (seal_process(&def, &error)) return true;
     report(&error);
@@ -238,6 +241,8 @@ static int play(player *p)
     cli_size size = p->options.size.width ? p->options.size : (cli_size){1280, 720};
     p->screen = platform_open_sdl("DAFT", size.width, size.height, &error);
     if (!p->screen) return play_demo(p, error.message);
+    if (!p->options.saves && !home_user_folder("XDG_DATA_HOME", ".local/share", p->options.kept, PATH_SIZE))
+        p->options.kept[0] = 0;
     if (!costs_folder(p->options.costs, sizeof p->options.costs)) p->options.costs[0] = 0;
     if (!p->options.game) return play_menu(p);
     session_def session = base_session(p);
@@ -280,6 +285,8 @@ int command_play(int argc, char **argv)
          "what the game may hold, scripts, meshes and pictures together: 500MB, 2GB (1GB)"},
         {"time-limit", 0, CLI_NUMBER, "SECONDS", &o->seconds, 0, 3600,
          "how long one call into the game may take, 0.1 to 3600 (5)"},
+        {"saves", 0, CLI_TEXT, "FOLDER", &o->saves, 0, 0,
+         "where the game keeps what it saves (a window: your data folder; headless: nothing is kept)"},
         {"seed", 0, CLI_COUNT, "N", &o->seed, 0, 1000000000, "seed of the random numbers (1); a replay uses its own"},
         {"sandbox", 0, CLI_TEXT, "MODE", &o->sandbox, 0, 0,
          "auto (what the system has), on (all of it, or an error), off, or status"},
@@ -301,6 +308,9 @@ int command_play(int argc, char **argv)
         return STATUS_DONE;
     }
     if (!can_seal(o)) return STATUS_BAD_INPUT;
+    if (o->saves && !path_is_folder(o->saves)) return cli_refuse("play", "--saves: an existing folder expected");
+    if (o->saves && (size_t)snprintf(o->kept, sizeof o->kept, "%s", o->saves) >= sizeof o->kept)
+        return cli_refuse("play", "--saves: the path is too long");
     if (!(o->scale > 0)) return cli_refuse("play", "--scale: a number above 0 expected");
     if (!(o->seconds >= 0.1)) return cli_refuse("play", "--time-limit: a number from 0.1 to 3600 expected");
     if (count > 0) o->game = operands[0];

@@ -3,6 +3,8 @@
 
 #include "files/source.h"
 
+#include <sys/stat.h>
+#include <errno.h>
 #include <ctype.h>
 #include <dirent.h>
 #include <stdio.h>
@@ -155,4 +157,28 @@ bool home_find_game(const home *where, const char *name, game_info *out, daft_er
     free(names);
     free(games);
     return false;
+}
+
+/* With all above it. */
+static bool make_folders(char *path)
+{
+    for (char *at = path + 1; *at; at++) {
+        if (*at != '/') continue;
+        *at = 0;
+        const bool made = mkdir(path, 0700) == 0 || errno == EEXIST || errno == EROFS;
+        *at = '/';
+        if (!made) return false;
+    }
+    return (mkdir(path, 0700) == 0 || errno == EEXIST) && path_is_folder(path);
+}
+
+bool home_user_folder(const char *variable, const char *below_home, char *out, size_t size)
+{
+    const char *set = getenv(variable), *top = getenv("HOME");
+    int length = -1;
+    if (set && set[0] == '/')
+        length = snprintf(out, size, "%s/daft", set);
+    else if (top && top[0] == '/')
+        length = snprintf(out, size, "%s/%s/daft", top, below_home);
+    return length > 0 && (size_t)length < size && make_folders(out);
 }

@@ -1,5 +1,5 @@
 /* files: the program's folders and games (home.h), a game's files (source.h), packed games (pack.h) and their hash
- * (sha256.h). Public headers: home.h source.h pack.h sha256.h
+ * (sha256.h), and what games keep (saves.h). Public headers: home.h source.h pack.h sha256.h saves.h
  *
  * home: finds the program's own folders games/, assets/ and scripts/, and the games in games/.
  * Search order: $DAFT_HOME, ../share/daft beside the program, then each folder above the program. */
@@ -15,6 +15,10 @@ typedef struct home {
 bool home_find(home *out, daft_error *error);
 /* The folder of the running program. */
 bool home_program_folder(char *out, size_t size);
+
+/* The user's own folder "daft", by the variable of the environment or below the home folder, made where it is missing.
+ * False: there is none. */
+bool home_user_folder(const char *variable, const char *below_home, char *out, size_t size);
 
 typedef struct game_info {
     char name[128];         /* of its folder */

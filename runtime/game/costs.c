@@ -2,29 +2,15 @@
 #include "game/costs.h"
 
 #include "common/util.h"
+#include "files/home.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 static const char HEAD[] = "daft frame costs 1\n";
 
-static bool make_folder(const char *path) { return mkdir(path, 0700) == 0 || errno == EEXIST; }
-
-bool costs_folder(char *out, size_t size)
-{
-    const char *cache = getenv("XDG_CACHE_HOME"), *home = getenv("HOME");
-    int length = -1;
-    if (cache && cache[0] == '/')
-        length = snprintf(out, size, "%s", cache);
-    else if (home && home[0] == '/')
-        length = snprintf(out, size, "%s/.cache", home);
-    if (length < 0 || (size_t)length + sizeof "/daft" > size || !make_folder(out)) return false;
-    memcpy(out + length, "/daft", sizeof "/daft");
-    return make_folder(out);
-}
+bool costs_folder(char *out, size_t size) { return home_user_folder("XDG_CACHE_HOME", ".cache", out, size); }
 
 /* A game's name is that of a folder, or of a file. */
 static bool path_of(const char *folder, const char *game, char out[PATH_SIZE])

@@ -1,6 +1,8 @@
 /* Runs one game, tick by tick. */
 #include "game/game.h"
 
+#include "files/saves.h"
+
 #include "game/loop.h"
 #include "common/util.h"
 
@@ -37,6 +39,7 @@ static bool start(game_state *state, daft_error *error)
                     .scene = state->scene,
                     .keys = &state->keys,
                     .face = state->def.face,
+                    .saves = state->def.saves,
                     .seed = state->def.seed,
                     .seconds = state->def.seconds,
                     .asked = state->def.asked,
@@ -59,6 +62,11 @@ bool game_open(game_state *state, const game_def *def, daft_error *error)
     *state = (game_state){.def = *def};
     if (!def->source && !source_open(&state->own, def->where, def->info, error)) return false;
     if (!def->source) state->def.source = &state->own;
+    if (!def->saves) state->def.saves = state->own_saves = saves_open(&(saves_def){.game = def->info->name}, error);
+    if (!state->def.saves) {
+        source_close(&state->own);
+        return false;
+    }
     if (daft_engine_set_files(def->engine, state->def.source->files, error) && start(state, error)) return true;
     game_close(state);
     return false;
@@ -69,6 +77,8 @@ void game_close(game_state *state)
     end(state);
     daft_engine_set_files(state->def.engine, NULL, NULL);
     source_close(&state->own);
+    saves_close(state->own_saves);
+    state->own_saves = NULL;
 }
 
 bool game_reload(game_state *state, daft_error *error)

@@ -25,6 +25,7 @@ typedef struct game_def {
     recording *replay;        /* or NULL; must outlive the game */
     recorder *record;         /* or NULL; must outlive the game */
     daft_history *history;    /* of pictures that follow each other on a screen; or NULL; must outlive the game */
+    saves *saves;             /* what the game keeps; must outlive it. NULL: as long as it runs */
     const governor *governor; /* chooses knobs of pictures; or NULL; must outlive the game */
     double seconds;           /* one call into the game may take; 0: WATCHDOG_SECONDS */
     int (*asked)(void *user); /* whether the game is to stop: see watchdog_def. May be NULL */
@@ -33,7 +34,8 @@ typedef struct game_def {
 
 typedef struct game_state {
     game_def def;
-    game_source own; /* where the definition has no source */
+    game_source own;  /* where the definition has no source */
+    saves *own_saves; /* likewise */
     daft_scene *scene;
     host scripts;
     input keys;

@@ -3,6 +3,7 @@
 
 #include "game/loop.h"
 #include "common/util.h"
+#include "files/saves.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -156,6 +157,25 @@ static bool read_pack(reader *in, recording *out)
     return true;
 }
 
+static bool read_saved(reader *in, recording *out)
+{
+    char *name = in->at, *end = name + strcspn(name, " \t");
+    char *text = end + strspn(end, " \t");
+    if (!*text) text = NULL;
+    *(*end ? end : name + strlen(name)) = 0;
+    if (!saves_is_name(name)) return bad(in, "the name of what a game saved expected", NULL);
+    if (out->saved_count == SAVES_COUNT) return bad(in, "a game saves less", NULL);
+    recording_save *more = realloc(out->saved, (out->saved_count + 1) * sizeof *more);
+    if (more) out->saved = more;
+    const size_t first = strlen(name) + 1, second = text ? strlen(text) + 1 : 0;
+    char *copy = more ? malloc(first + second) : NULL;
+    if (!copy) return fail(in->error, DAFT_ERROR_MEMORY, "out of memory for a recording");
+    memcpy(copy, name, first);
+    if (text) memcpy(copy + first, text, second);
+    more[out->saved_count++] = (recording_save){copy, text ? copy + first : NULL};
+    return true;
+}
+
 static bool read_line(reader *in, recording *out, size_t *capacity, bool *ended)
 {
     if (*ended) return bad(in, "text after the 'end' line", NULL);
@@ -165,6 +185,7 @@ static bool read_line(reader *in, recording *out, size_t *capacity, bool *ended)
         strcpy(out->game, in->at);
         return true;
     }
+    if (take_word(in, "saved")) return read_saved(in, out);
     if (take_word(in, "pack")) return read_pack(in, out);
     if (take_word(in, "tick")) return read_mark(in, out);
     if (take_word(in, "rate")) {
@@ -210,7 +231,7 @@ static bool read_lines(reader *in, char *text, recording *out)
         line = next;
         skip_blanks(in);
         if (in->number == 1) {
-            if (take_word(in, "daft-recording") && (strcmp(in->at, "1") == 0 || strcmp(in->at, "2") == 0)) continue;
+            if (take_word(in, "daft-recording") && in->at[0] >= '1' && in->at[0] <= '3' && !in->at[1]) continue;
             return bad(in, "'daft-recording 1' expected: this is not a recording of this version", NULL);
         }
         if (*in->at == 0 || *in->at == '#') continue;
@@ -237,6 +258,8 @@ bool recording_load(recording *out, const daft_files *files, const char *path, d
 
 void recording_free(recording *record)
 {
+    for (size_t i = 0; i < record->saved_count; i++) free(record->saved[i].name);
+    free(record->saved);
     free(record->items);
     *record = (recording){0};
 }
@@ -299,7 +322,7 @@ recorder *recorder_open(const char *path, const char *game, const char *pack, ui
         return NULL;
     }
     pthread_mutex_init(&writer->lock, NULL);
-    fprintf(writer->file, "daft-recording 2\ngame %s\nrate %d\nseed %" PRIu64 "\n", game, LOOP_RATE, seed);
+    fprintf(writer->file, "daft-recording 3\ngame %s\nrate %d\nseed %" PRIu64 "\n", game, LOOP_RATE, seed);
     if (pack[0]) fprintf(writer->file, "pack %s\n", pack);
     return writer;
 }
@@ -325,6 +348,14 @@ void recorder_tick(recorder *writer, uint64_t tick, const input_event *events, s
     if (writer->file && marks) fflush(writer->file);
     for (size_t i = 0; writer->file && i < count; i++) put_event(writer->file, tick, &events[i]);
     writer->ticks = tick + 1;
+    pthread_mutex_unlock(&writer->lock);
+}
+
+void recorder_saved(recorder *writer, const char *name, const char *text)
+{
+    if (!writer) return;
+    pthread_mutex_lock(&writer->lock);
+    if (writer->file) fprintf(writer->file, text ? "saved %s %s\n" : "saved %s\n", name, text);
     pthread_mutex_unlock(&writer->lock);
 }
 

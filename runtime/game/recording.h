@@ -1,10 +1,11 @@
 /* recording: the input of a game, tick by tick, as a text file that replays it.
  *
- *     daft-recording 2          the format's version (1 had no 'tick' lines)
+ *     daft-recording 3          the format's version (1 had no 'tick' lines, 2 no 'saved' ones)
  *     game marble
  *     rate 60                   ticks a second
  *     seed 1                    seed of the random numbers
  *     pack 9f86d0…              of a packed game: its SHA-256, 64 hexadecimal digits
+ *     saved scores {[1]=9}      what daft.load_saved("scores") gave first; nothing behind the name: nothing was there
  *     12 +right                 at the start of tick 12 (counted from 0) the key goes down
  *     40 -right                 … and up
  *     41 mouse 640.5 360        the mouse, in HUD units from the top left
@@ -31,6 +32,10 @@ typedef struct recording_item {
     input_event event;
 } recording_item;
 
+typedef struct recording_save {
+    char *name, *text; /* one allocation, by `name`; text NULL: nothing */
+} recording_save;
+
 typedef struct recording {
     char game[128];
     char pack[65]; /* SHA-256 of the packed game; empty: it was none */
@@ -40,6 +45,8 @@ typedef struct recording {
     recording_item *items;
     size_t count;
     size_t next; /* the first item not yet played */
+    recording_save *saved;
+    size_t saved_count;
 } recording;
 
 /* `files`: the game's, of which it is one; NULL: it is the user's own, anywhere. */
@@ -55,6 +62,8 @@ recorder *recorder_open(const char *path, const char *game, const char *pack, ui
 /* As tick `tick`, counted from 0, begins: what it is given. A game that fails in this tick fails again in its replay.
  */
 void recorder_tick(recorder *writer, uint64_t tick, const input_event *events, size_t count);
+/* What the game was given of what it had kept; before the tick ends. NULL is fine. */
+void recorder_saved(recorder *writer, const char *name, const char *text);
 /* Ends the file after the last tick that began, and puts it into place; from any thread, once: then the recorder takes
  * nothing more. NULL is fine. False where a write failed: then FILE is as it was. */
 bool recorder_finish(recorder *writer, daft_error *error);

@@ -1,6 +1,7 @@
 /* Plays one game on a platform. */
 #include "game/session.h"
 
+#include "files/saves.h"
 #include "game/costs.h"
 #include "game/governor.h"
 #include "game/loop.h"
@@ -27,6 +28,7 @@ typedef struct session {
     game_state play;
     recording replay;
     recorder *record;
+    saves *kept;
     daft_image *picture;
     daft_history *history;
     loop clock;
@@ -344,9 +346,28 @@ static bool open_files(session *s, daft_error *error)
     return s->record != NULL;
 }
 
+static void record_saved(void *user, const char *name, const char *text)
+{
+    const session *s = user;
+    recorder_saved(s->record, name, text);
+}
+
+/* A replay is given what its recording was, and writes nothing. */
+static bool open_saves(session *s, daft_error *error)
+{
+    const saves_def def = {.folder = s->def->replay ? NULL : s->def->saves,
+                           .game = s->info->name,
+                           .told = s->record ? record_saved : NULL,
+                           .user = s};
+    s->kept = saves_open(&def, error);
+    for (size_t i = 0; s->kept && i < s->replay.saved_count; i++)
+        if (!saves_expect(s->kept, s->replay.saved[i].name, s->replay.saved[i].text, error)) return false;
+    return s->kept != NULL;
+}
+
 static bool run(session *s, daft_error *error)
 {
-    if (!open_files(s, error)) return false;
+    if (!open_files(s, error) || !open_saves(s, error)) return false;
     stop_set_act(end_early, s);
     const session_def *def = s->def;
     s->history = daft_history_create(def->engine, error);
@@ -361,6 +382,7 @@ static bool run(session *s, daft_error *error)
                      .replay = def->replay ? &s->replay : NULL,
                      .record = s->record,
                      .history = s->history,
+                     .saves = s->kept,
                      .seconds = def->seconds,
                      .asked = asked,
                      .user = s};
@@ -405,6 +427,7 @@ session_end session_play(const session_def *def, const game_info *info, daft_err
     daft_history_destroy(s.history);
     daft_engine_set_files(def->engine, NULL, NULL);
     source_close(&own);
+    saves_close(s.kept);
     recorder_free(s.record);
     recording_free(&s.replay);
     daft_image_destroy(s.picture);

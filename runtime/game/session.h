@@ -20,6 +20,7 @@ typedef struct session_def {
     double scale;     /* resolution of the picture relative to the window */
     double target_ms; /* that a frame may take, by pictures that cost less; 0: any; below 0: as the game says, or 1/60 s
                        */
+    const char *saves; /* folder of what games keep, or NULL: nothing outlasts the session */
     const char *costs; /* folder that remembers what pictures cost, or NULL */
     bool fixed_size;   /* the picture has exactly the size of the window */
     uint64_t seed;

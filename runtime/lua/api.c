@@ -9,9 +9,9 @@
 #include <stdio.h>
 #include <string.h>
 
-static const api_area *const AREAS[] = {&api_entity,   &api_body,  &api_joint,  &api_character, &api_query,
-                                        &api_material, &api_light, &api_camera, &api_input,     &api_hud,
-                                        &api_time,     &api_world, &api_picture};
+static const api_area *const AREAS[] = {&api_entity,   &api_body,  &api_joint,   &api_character, &api_query,
+                                        &api_material, &api_light, &api_camera,  &api_input,     &api_hud,
+                                        &api_time,     &api_world, &api_picture, &api_save};
 
 static const char *const CALLBACKS[] = {"load", "update", "draw", "keypressed", "keyreleased"};
 static const char *const TYPES[API_TYPES] = {"entity", "light", "material", "mesh", "joint", "character", "picture"};

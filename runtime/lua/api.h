@@ -34,7 +34,7 @@ typedef struct api_area {
 } api_area;
 
 extern const api_area api_entity, api_body, api_joint, api_character, api_query, api_material, api_light, api_camera,
-    api_input, api_hud, api_time, api_world, api_picture;
+    api_input, api_hud, api_time, api_world, api_picture, api_save;
 /* All areas, for registration and for the reference. */
 const api_area *const *api_areas(size_t *count);
 

@@ -19,6 +19,7 @@
 #include <stdatomic.h>
 
 typedef struct api_function api_function;
+typedef struct saves saves;
 
 /* xoshiro256**: Blackman & Vigna 2018. */
 typedef struct random_state {
@@ -36,6 +37,7 @@ typedef struct host_def {
     daft_scene *scene;
     input *keys;
     font *face;
+    saves *saves; /* what the game keeps: files/saves.h */
     uint64_t seed;
     uint64_t instructions;    /* one call may run so many, about; 0: only time counts */
     double seconds;           /* one call may take; 0: WATCHDOG_SECONDS */

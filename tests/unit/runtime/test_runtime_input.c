@@ -269,7 +269,9 @@ static void bad_files_say_where(void **unused)
         const char *message;
     } bad[] = {
         {"", 1, 1, "not a recording"},
-        {"daft-recording 3\nend 1\n", 1, 16, "not a recording of this version"},
+        {"daft-recording 4\nend 1\n", 1, 16, "not a recording of this version"},
+        {"daft-recording 3\nsaved ../x {}\nend 1\n", 2, 7, "the name of what a game saved"},
+        {"daft-recording 3\nsaved\nend 1\n", 2, 6, "the name of what a game saved"},
         {"daft-recording 2\ntick 60\ntick 59\nend 60\n", 3, 8, "must not go back"},
         {"daft-recording 2\n60 +left\ntick 60\nend 90\n", 3, 8, "must not go back"},
         {"daft-recording 2\ntick 60\nend 59\n", 3, 7, "before its last tick"},
