@@ -71,7 +71,7 @@ static void values_outlast_the_game(void **unused)
     (void)unused;
     begin(counting);
     for (int i = 1; i <= 3; i++) {
-        char wanted[16];
+        char wanted[32];
         snprintf(wanted, sizeof wanted, "runs %d\n", i);
         assert_status(play(""), 0, output);
         assert_says(output, wanted);
