@@ -475,6 +475,8 @@ typedef struct daft_transform {
 
 /* Local to the parent. Setting keeps the pose of the last tick, so drawing interpolates; `teleport` drops it. */
 DAFT_API bool daft_entity_get_transform(daft_scene *scene, daft_entity entity, daft_transform *out, daft_error *error);
+/* Where it is in the world, whatever it hangs on. */
+DAFT_API bool daft_entity_get_world_position(daft_scene *scene, daft_entity entity, daft_dvec3 *out, daft_error *error);
 DAFT_API bool daft_entity_set_transform(daft_scene *scene, daft_entity entity, const daft_transform *transform,
                                         bool teleport, daft_error *error);
 /* None: the mesh's own materials, or the default one. */
@@ -798,7 +800,7 @@ typedef struct daft_view {
     float alpha; /* between the last two ticks: 0 the one before, 1 now */
     daft_quality quality;
     /* Knobs: each replaces one value of the quality's preset. They change the picture, never the scene. */
-    int samples;          /* per pixel; 0: the quality's; else 1, 4 or 16 */
+    int samples;          /* per pixel; 0: the quality's; else 1, 4, 8 or 16 */
     int edge_samples;     /* more where a pixel differs from its neighbours: 0; 4, its corners, at outlines and creases;
                              16, at edges of shadows and in mirrors, too; -1: the quality's, or 0 where `samples` is set */
     int mirror_depth;     /* mirror bounces followed, 0 to 32; -1: the quality's */

@@ -68,13 +68,17 @@ void daft_renderer_destroy(daft_renderer *r)
     daft_release(&allocator, r);
 }
 
-/* Where in the pixel a sample lies. Four: a rotated grid; sixteen: each column and each row of a 16 × 16 grid holds
- * one. */
+/* Where in the pixel a sample lies. Four: a rotated grid; eight and sixteen: each column and each row of an 8 × 8 or
+ * 16 × 16 grid holds one. */
 static void sample_shift(int samples, int i, float *x, float *y)
 {
     static const float FOUR[4][2] = {{-0.125f, -0.375f}, {0.375f, -0.125f}, {0.125f, 0.375f}, {-0.375f, 0.125f}};
     *x = *y = 0;
     if (samples == 4) *x = FOUR[i][0], *y = FOUR[i][1];
+    if (samples == 8) {
+        static const int ROW[8] = {2, 5, 0, 7, 3, 6, 1, 4};
+        *x = (float)i / 8 - 0.4375f, *y = (float)ROW[i] / 8 - 0.4375f;
+    }
     if (samples == 16) {
         *x = (float)(i % 4) / 4 + (float)(i / 4) / 16 - 0.46875f;
         *y = (float)(i / 4) / 4 + (float)(i % 4) / 16 - 0.46875f;

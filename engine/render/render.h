@@ -60,7 +60,7 @@ typedef struct daft_snapshot {
     int first_row, row_count;     /* to be drawn: whole rows of tiles */
     daft_vec3 right, up, forward; /* camera axes, unit, in frame space */
     float focal;                  /* pixels: (width/2) / tan(fov/2) */
-    daft_preset preset;           /* samples: 1, 4 or 16. reference: camera rays one by one through the accelerator */
+    daft_preset preset; /* samples: 1, 4, 8 or 16. reference: camera rays one by one through the accelerator */
     daft_intersection intersection;
     const daft_instance *instances; /* visible ones, in entity order */
     uint32_t instance_count;

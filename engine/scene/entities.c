@@ -206,6 +206,20 @@ bool daft_entity_get_transform(daft_scene *scene, daft_entity entity, daft_trans
     return true;
 }
 
+bool daft_entity_get_world_position(daft_scene *scene, daft_entity entity, daft_dvec3 *out, daft_error *error)
+{
+    daft_error_clear(error);
+    const daft_entity_item *item = daft_entity_find(scene, entity, error);
+    if (!item || !daft_check_pointer(error, "out", out)) return false;
+    daft_daffine own = daft_daffine_from(&item->now);
+    for (uint32_t at = item->parent; at != DAFT_NONE; at = scene->entities[at].parent) {
+        const daft_daffine outer = daft_daffine_from(&scene->entities[at].now);
+        own = daft_daffine_compose(&outer, &own);
+    }
+    *out = (daft_dvec3){own.t[0], own.t[1], own.t[2]};
+    return true;
+}
+
 /* The next entity of a subtree in depth-first order, or DAFT_NONE. */
 static uint32_t subtree_next(const daft_scene *scene, uint32_t root, uint32_t at)
 {

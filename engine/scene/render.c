@@ -13,8 +13,8 @@ static bool view_check(const daft_view *view, daft_error *error)
 {
     if (!daft_check_pointer(error, "view", view) || !daft_struct_check(DAFT_STRUCT_VIEW, view, error)) return false;
     int n = view->samples, more = view->edge_samples;
-    if (n != 0 && n != 1 && n != 4 && n != 16)
-        return daft_fail(error, DAFT_ERROR_ARGUMENT, "samples is %d; it must be 0 (the quality's), 1, 4 or 16", n);
+    if (n != 0 && n != 1 && n != 4 && n != 8 && n != 16)
+        return daft_fail(error, DAFT_ERROR_ARGUMENT, "samples is %d; it must be 0 (the quality's), 1, 4, 8 or 16", n);
     return more == -1 || more == 0 || more == 4 || more == 16 ||
            daft_fail(error, DAFT_ERROR_ARGUMENT, "edge_samples is %d; it must be -1 (the quality's), 0, 4 or 16", more);
 }

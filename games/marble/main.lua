@@ -4,6 +4,7 @@
 local level = require "level"   -- the course as data
 local course = require "course" -- makes entities of it, moves what moves
 local sparks = require "sparks" -- little lights that fly about for a moment
+local sounds = require "sounds" -- what is heard
 local bot = require "bot"       -- plays by itself: press B to watch
 
 local ROLL = 17       -- newtons from a key; the marble has 1 kg
@@ -39,6 +40,7 @@ local function put_marble(place)
     marble:teleport(place[1], place[2] + 0.6, place[3])
     marble:velocity(0, 0, 0)
     marble:angular_velocity(0, 0, 0)
+    sounds.still()
     eye.x, eye.y, eye.z, eye.jump = place[1] - FAR, place[2] + HIGH, place[3], true
     ground = 1
 end
@@ -61,6 +63,7 @@ function daft.load()
     daft.ambient { 0.36, 0.40, 0.48 }
     daft.light.sun { direction = { 0.35, -0.75, 0.55 }, color = { 0.95, 0.90, 0.80 } } -- as the sky has it
     course.build(level)
+    sounds.load()
     marble = daft.entity { sphere = 0.5, mass = 1, body = "dynamic", friction = 0.9, restitution = 0.25,
         material = { color = "#202428", specular = 0.9, shininess = 400, mirror = 0.85 } }
     start_again()
@@ -97,6 +100,7 @@ local function feel(dt)
             bumper.glow = 0.25
             marble:impulse(n[1] * KICK, 1.5, n[3] * KICK)
             sparks.burst(contact.point, "#ffb080", 6)
+            sounds.bumper(contact.point)
         end
     end
 end
@@ -107,6 +111,7 @@ local function collect(x, y, z)
             gem.taken = true
             gem.entity:visible(false)
             taken = taken + 1
+            sounds.gem(taken)
             sparks.burst(gem.place, "#60f0ff", 12)
         end
     end
@@ -114,6 +119,7 @@ local function collect(x, y, z)
         if home ~= place and place[1] > home[1] - 1 and distance(x, y, z, place) < 3 then
             home = place
             say("Checkpoint", 1.5)
+            sounds.checkpoint()
         end
     end
 end
@@ -121,10 +127,12 @@ end
 local function finish(x, y, z)
     if state ~= "rolling" or distance(x, y - 0.5, z, level.goal) > 1.3 then return end
     if taken < level.gems_needed then
+        if message_left <= 0 then sounds.hint() end
         say(("%d more gems!"):format(level.gems_needed - taken), 1)
         return
     end
     state = "won"
+    sounds.win()
     if not best or time < best then
         best = time
         daft.save("best", best)
@@ -167,6 +175,7 @@ function daft.update(dt)
     bot.update(marble, eye, course)
     feel(dt)
     steer()
+    sounds.update(marble, ground < 0.1)
     course.update(clock, dt)
     collect(x, y, z)
     finish(x, y, z)
@@ -174,6 +183,7 @@ function daft.update(dt)
     if y < level.lowest + home[2] then
         if state == "rolling" then time = time + FALL_COST end
         put_marble(home)
+        sounds.fall()
         say(("Fallen: +%d s"):format(FALL_COST), 1.5)
     end
     sparks.update(dt)
@@ -183,6 +193,7 @@ end
 function daft.keypressed(name)
     if name == "space" and ground < 0.12 and state ~= "won" then
         marble:impulse(0, JUMP, 0)
+        sounds.jump()
         ground = 1
     elseif name == "r" then
         start_again()

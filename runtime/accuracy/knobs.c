@@ -27,7 +27,7 @@ enum {
 static const knob_row TABLE[KNOBS] = {
     [SCALE] = {"scale", "sides of the drawn picture, relative to the shown one; bilinear between", {0.5, 0.75, 1}, 3},
     [VISIBILITY] = {"intersection", "how rays and triangles meet: fast, watertight or exact", {2, 1, 0}, 3},
-    [SAMPLES] = {"samples", "of a pixel", {1, 4, 16}, 3},
+    [SAMPLES] = {"samples", "of a pixel", {1, 4, 8, 16}, 4},
     [EDGES] = {"edge_samples",
                "more where neighbours differ: 4 at outlines, 16 at edges of shadows, too",
                {0, 4, 16},
@@ -90,7 +90,7 @@ static bool in_range(size_t index, double value)
     bool whole = value == floor(value);
     switch (index) {
     case SCALE: return value >= 0.1 && value <= 1;
-    case SAMPLES: return value == 1 || value == 4 || value == 16;
+    case SAMPLES: return value == 1 || value == 4 || value == 8 || value == 16;
     case EDGES: return value == 0 || value == 4 || value == 16;
     case SOFT:
     case OCCLUSION: return whole && value >= 0 && value <= 64;

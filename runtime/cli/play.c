@@ -8,6 +8,7 @@
 #include "game/costs.h"
 #include "platform/seal.h"
 #include "common/util.h"
+#include "platform/audio.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -27,7 +28,7 @@ static const char DEFAULT_GAME[] = "marble", DEMO_PICTURE[] = "daft-demo.png";
 enum { DEMO_TICKS = 600 };
 
 typedef struct play_options {
-    bool headless, hash, every_frame;
+    bool headless, hash, every_frame, mute;
     long ticks, threads, shot_tick, seed;
     cli_size size;
     double scale, seconds;
@@ -37,7 +38,7 @@ typedef struct play_options {
     char kept[PATH_SIZE];  /* the folder of what games keep; empty: none */
     char costs[PATH_SIZE]; /* the folder that remembers what pictures cost; empty: none */
     uint64_t memory;
-    const char *sandbox, *record, *replay, *isa, *shot, *stats, *game;
+    const char *sandbox, *record, *replay, *isa, *shot, *stats, *sound, *game;
 } play_options;
 
 typedef struct player {
@@ -48,6 +49,7 @@ typedef struct player {
     platform *screen;
     game_info game; /* unless there is the menu */
     game_source source;
+    bool speaks; /* through a loudspeaker */
 } player;
 
 static const daft_quality NOT_GIVEN = (daft_quality)-1;
@@ -82,6 +84,8 @@ static session_def base_session(const player *p)
                          .shot = o->shot,
                          .shot_tick = (uint64_t)o->shot_tick,
                          .stats = o->stats,
+                         .sound = o->sound,
+                         .speaks = p->speaks,
                          .seconds = o->seconds};
 }
 
@@ -128,14 +132,14 @@ static const char *folder_of(const char *path, char out[PATH_SIZE])
 static bool seal(const player *p, const session_def *session)
 {
     const play_options *o = &p->options;
-    char folders[3][PATH_SIZE];
+    char folders[4][PATH_SIZE];
     daft_error error;
     if (strcmp(o->sandbox, "off") == 0) return true;
     seal_def def = {.readable = {p->source.files ? p->game.folder : p->where.games, p->where.assets, p->where.scripts,
                                  session->replay, session->costs, session->saves},
                     .writable = {folder_of(session->record, folders[0]), folder_of(session->shot, folders[1]),
-                                 folder_of(session->stats, folders[2]), p->screen->headless ? NULL : ".",
-                                 session->costs, session->saves},
+                                 folder_of(session->stats, folders[2]), folder_of(session->sound, folders[3]),
+                                 p->screen->headless ? NULL : ".", session->costs, session->saves},
                     .window = !p->screen->headless};
     if (seal_process(&def, &error)) return true;
     report(&error);
@@ -241,6 +245,7 @@ static int play(player *p)
     cli_size size = p->options.size.width ? p->options.size : (cli_size){1280, 720};
     p->screen = platform_open_sdl("DAFT", size.width, size.height, &error);
     if (!p->screen) return play_demo(p, error.message);
+    p->speaks = !p->options.mute && audio_open(&error);
     if (!p->options.saves && !home_user_folder("XDG_DATA_HOME", ".local/share", p->options.kept, PATH_SIZE))
         p->options.kept[0] = 0;
     if (!costs_folder(p->options.costs, sizeof p->options.costs)) p->options.costs[0] = 0;
@@ -292,6 +297,8 @@ int command_play(int argc, char **argv)
          "auto (what the system has), on (all of it, or an error), off, or status"},
         {"shot", 0, CLI_TEXT, "FILE", &o->shot, 0, 0, "write a picture (.png, .ppm) at the end"},
         {"shot-tick", 0, CLI_COUNT, "N", &o->shot_tick, 1, 1000000000, "write that picture after update N instead"},
+        {"sound", 0, CLI_TEXT, "FILE", &o->sound, 0, 0, "write what sounds to FILE.wav, also without a loudspeaker"},
+        {"mute", 0, CLI_FLAG, NULL, &o->mute, 0, 0, "leave the loudspeaker alone"},
         {"stats", 0, CLI_TEXT, "FILE", &o->stats, 0, 0, "write frame times and counters as JSON; - is stdout"},
         {"every-frame", 0, CLI_FLAG, NULL, &o->every_frame, 0, 0, "draw every frame when headless too, for --stats"}};
     const char *operands[CLI_OPERANDS];
@@ -315,6 +322,7 @@ int command_play(int argc, char **argv)
     if (!(o->seconds >= 0.1)) return cli_refuse("play", "--time-limit: a number from 0.1 to 3600 expected");
     if (count > 0) o->game = operands[0];
     int status = play(&p);
+    audio_close();
     if (p.screen) p.screen->close(p.screen);
     font_close(p.face);
     daft_engine_destroy(p.engine);

@@ -3,6 +3,7 @@
 
 #include "files/saves.h"
 
+#include "game/ear.h"
 #include "game/loop.h"
 #include "common/util.h"
 
@@ -135,6 +136,19 @@ static bool step(game_state *state)
     return in_time(state, name) && (good || stop_with(state, "simulation", &error));
 }
 
+static void sound_on(game_state *state)
+{
+    int16_t frames[2 * SOUND_TICK];
+    mixer *m = &state->scripts.mixer;
+    if (!state->def.heard) {
+        mixer_tick(m, NULL);
+        return;
+    }
+    ear_listen(m, state->scene);
+    mixer_tick(m, frames);
+    state->def.heard(state->def.user, frames);
+}
+
 bool game_tick(game_state *state)
 {
     if (state->failed) return false;
@@ -143,6 +157,7 @@ bool game_tick(game_state *state)
     if (!host_collect(&state->scripts) || !call_key_handlers(state) || !host_update(&state->scripts, 1.0 / LOOP_RATE))
         return stop(state);
     if (!step(state)) return false;
+    sound_on(state);
     daft_error error;
     state->ticks++;
     state->scripts.tick++;

@@ -1,5 +1,5 @@
 /* game: everything from one tick of a game to a session at a window.
- * Public headers: session.h menu.h game.h recording.h loop.h governor.h costs.h
+ * Public headers: session.h menu.h game.h recording.h loop.h governor.h costs.h ear.h
  * session.h plays a game on a platform, menu.h chooses one, recording.h reads and writes input, loop.h is the fixed
  * time step, and game.h (this) runs one game, tick by tick, without a window or a clock. One tick stores the poses for
  * interpolation, applies the input (live or recorded), calls daft.keypressed and daft.keyreleased, then
@@ -29,6 +29,8 @@ typedef struct game_def {
     const governor *governor; /* chooses knobs of pictures; or NULL; must outlive the game */
     double seconds;           /* one call into the game may take; 0: WATCHDOG_SECONDS */
     int (*asked)(void *user); /* whether the game is to stop: see watchdog_def. May be NULL */
+    /* Each tick's sound, SOUND_TICK frames, left and right by turns; NULL: nobody listens, and nothing is mixed. */
+    void (*heard)(void *user, const int16_t *frames);
     void *user;
 } game_def;
 

@@ -8,6 +8,8 @@
 #include "hud/screens.h"
 #include "common/stop.h"
 #include "common/util.h"
+#include "platform/audio.h"
+#include "sound/tape.h"
 
 #include <inttypes.h>
 #include <stdatomic.h>
@@ -28,6 +30,7 @@ typedef struct session {
     game_state play;
     recording replay;
     recorder *record;
+    tape sounds;
     saves *kept;
     daft_image *picture;
     daft_history *history;
@@ -365,9 +368,17 @@ static bool open_saves(session *s, daft_error *error)
     return s->kept != NULL;
 }
 
+static void heard(void *user, const int16_t *frames)
+{
+    session *s = user;
+    if (s->sounds.writer) tape_put(&s->sounds, frames, SOUND_TICK);
+    if (s->def->speaks) audio_play(frames, SOUND_TICK);
+}
+
 static bool run(session *s, daft_error *error)
 {
     if (!open_files(s, error) || !open_saves(s, error)) return false;
+    if (s->def->sound && !tape_begin(&s->sounds, s->def->sound, error)) return false;
     stop_set_act(end_early, s);
     const session_def *def = s->def;
     s->history = daft_history_create(def->engine, error);
@@ -385,6 +396,7 @@ static bool run(session *s, daft_error *error)
                      .saves = s->kept,
                      .seconds = def->seconds,
                      .asked = asked,
+                     .heard = s->sounds.writer || s->def->speaks ? heard : NULL,
                      .user = s};
     if (!game_open(&s->play, &play, error)) return false;
     progress_begin(&s->bar, s->info->title);
@@ -405,6 +417,7 @@ static bool leave(session *s, daft_error *error)
 {
     stop_set_act(NULL, NULL);
     bool good = recorder_finish(s->record, error);
+    good = tape_commit(&s->sounds, good ? error : NULL) && good;
     if ((s->left || s->closed) && !s->def->stays) s->def->screen->hide(s->def->screen);
     return good;
 }

@@ -33,6 +33,8 @@ typedef struct session_def {
     const char *shot;            /* file of a picture, or NULL */
     uint64_t shot_tick;          /* after so many ticks; 0: at the end */
     const char *stats;           /* file for times and counters as JSON, or NULL */
+    const char *sound;           /* WAV file of all that sounds, or NULL */
+    bool speaks;                 /* through the loudspeaker */
     double seconds;              /* one call into the game may take; 0: WATCHDOG_SECONDS */
     bool stays;                  /* the window stays after the session: for a menu */
 } session_def;

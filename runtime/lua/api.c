@@ -11,10 +11,11 @@
 
 static const api_area *const AREAS[] = {&api_entity,   &api_body,  &api_joint,   &api_character, &api_query,
                                         &api_material, &api_light, &api_camera,  &api_input,     &api_hud,
-                                        &api_time,     &api_world, &api_picture, &api_save};
+                                        &api_time,     &api_world, &api_picture, &api_save,      &api_sound};
 
 static const char *const CALLBACKS[] = {"load", "update", "draw", "keypressed", "keyreleased"};
-static const char *const TYPES[API_TYPES] = {"entity", "light", "material", "mesh", "joint", "character", "picture"};
+static const char *const TYPES[API_TYPES] = {"entity",    "light",   "material", "mesh", "joint",
+                                             "character", "picture", "sound",    "voice"};
 
 /* Registry keys: the addresses of these. */
 static const char DAFT_KEY, ENTITIES_KEY;
@@ -302,6 +303,10 @@ static void register_type(lua_State *L, api_type type)
     }
     if (type == API_PICTURE) {
         lua_pushcfunction(L, api_release_picture);
+        lua_setfield(L, -2, "__gc");
+    }
+    if (type == API_SOUND) {
+        lua_pushcfunction(L, api_release_sound);
         lua_setfield(L, -2, "__gc");
     }
     lua_newtable(L);

@@ -34,7 +34,7 @@ typedef struct api_area {
 } api_area;
 
 extern const api_area api_entity, api_body, api_joint, api_character, api_query, api_material, api_light, api_camera,
-    api_input, api_hud, api_time, api_world, api_picture, api_save;
+    api_input, api_hud, api_time, api_world, api_picture, api_save, api_sound;
 /* All areas, for registration and for the reference. */
 const api_area *const *api_areas(size_t *count);
 
@@ -69,7 +69,7 @@ const char *api_text(lua_State *L, host *h, int index, const char *what); /* wit
 /* {x, y, z} or {x =, y =, z =}. */
 daft_dvec3 api_dvec3(lua_State *L, host *h, int index, const char *what);
 daft_vec3 api_vec3(lua_State *L, host *h, int index, const char *what);
-/* Like api_dvec3, or three numbers from index on; or, with an entity there, its position. */
+/* Like api_dvec3, or three numbers from index on; or, with an entity there, its place in the world. */
 daft_dvec3 api_place(lua_State *L, host *h, int index, const char *what);
 daft_vec3 api_triple(lua_State *L, host *h, int index, const char *what); /* a table or three numbers */
 /* "#rgb", "#rrggbb" (sRGB) or {r, g, b} (linear light). */
@@ -103,6 +103,8 @@ typedef enum api_type {
     API_JOINT,
     API_CHARACTER,
     API_PICTURE,
+    API_SOUND,
+    API_VOICE,
     API_TYPES
 } api_type;
 
@@ -131,6 +133,8 @@ int api_collect(lua_State *L);
 int api_release_handle(lua_State *L);
 /* __gc of pictures. */
 int api_release_picture(lua_State *L);
+/* __gc of sounds. */
+int api_release_sound(lua_State *L);
 
 /* Pushes the userdata of an entity, always the same one for the same entity; nil for none. */
 void api_push_entity(lua_State *L, uint32_t id);

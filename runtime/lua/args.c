@@ -99,11 +99,11 @@ daft_dvec3 api_place(lua_State *L, host *h, int index, const char *what)
 {
     const api_handle *handle = api_test_handle(L, index, API_ENTITY);
     if (!handle) return three_numbers(L, h, index, what);
-    daft_transform transform;
+    daft_dvec3 place;
     daft_error error;
-    if (!daft_entity_get_transform(h->def.scene, (daft_entity){handle->id}, &transform, &error))
+    if (!daft_entity_get_world_position(h->def.scene, (daft_entity){handle->id}, &place, &error))
         api_engine_error(L, h, &error);
-    return transform.position;
+    return place;
 }
 
 daft_vec3 api_triple(lua_State *L, host *h, int index, const char *what)

@@ -443,6 +443,7 @@ static int run_main(lua_State *L)
 bool host_open(host *state, const host_def *def)
 {
     *state = (host){.def = *def, .target_ms = -1, .hud_width = CANVAS_HEIGHT * 16.0f / 9.0f};
+    mixer_init(&state->mixer);
     random_seed(&state->random, def->seed);
     random_seed(&state->draw_random, ~def->seed);
     state->L = lua_newstate(allocate, state);
@@ -469,6 +470,7 @@ void host_close(host *state)
     state->dog = NULL;
     if (state->L) lua_close(state->L);
     state->L = NULL;
+    mixer_free(&state->mixer);
     daft_engine_unreserve(state->def.engine, state->reserved);
     state->reserved = 0;
 }

@@ -14,6 +14,7 @@
 #include "files/home.h"
 #include "platform/input.h"
 #include "lua/watchdog.h"
+#include "sound/sound.h"
 
 #include <lua.h>
 #include <stdatomic.h>
@@ -70,6 +71,8 @@ typedef struct host {
     size_t memory, reserved;    /* bytes: Lua holds; are counted for it towards the engine's limit */
     uint32_t pictures;          /* made so far */
     uint32_t tasks;             /* that run or wait, at most */
+    mixer mixer;                /* what sounds */
+    uint32_t sounds, music;     /* made so far; the voice of the music */
     char message[HOST_MESSAGE], trace[HOST_TRACE]; /* of the last error */
     char inner[HOST_TRACE / 2]; /* the stack of the coroutine in which an error began that is on its way; or empty */
 } host;

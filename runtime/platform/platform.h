@@ -1,6 +1,6 @@
 /* platform: a window with its events and clock (sdl.c), or none (null.c), behind one table of functions; the state of
- * keys and mouse (input.h); and what the process gives away once the window is open (seal.h). Headless is a back end,
- * not an `if`. Public headers: platform.h input.h seal.h */
+ * keys and mouse (input.h); the loudspeaker and sound files (audio.h); and what the process gives away once the window
+ * is open (seal.h). Headless is a back end, not an `if`. Public headers: platform.h input.h audio.h seal.h */
 #ifndef RUNTIME_PLATFORM_PLATFORM_H
 #define RUNTIME_PLATFORM_PLATFORM_H
 

@@ -131,6 +131,15 @@ static void check_may_change(lua_State *L, host *h)
         api_error(L, h, "not within daft.draw: drawing must not change the game, so do this in daft.update");
 }
 
+static int world_position(lua_State *L, host *h)
+{
+    daft_dvec3 place;
+    daft_error error;
+    if (!daft_entity_get_world_position(h->def.scene, api_entity_at(L, h, 1, "entity"), &place, &error))
+        api_engine_error(L, h, &error);
+    return api_push_numbers(L, place.x, place.y, place.z);
+}
+
 static int position(lua_State *L, host *h)
 {
     daft_transform transform = get_transform(L, h);
@@ -298,6 +307,8 @@ static const api_function FUNCTIONS[] = {
      "Makes an entity: at most one of mesh, sphere and box is drawn, and a body is simulated.", create, API_CHANGES},
     {"entity:position", "([x, y, z]) -> x, y, z",
      "Where it is, or puts it there (also {x, y, z}). Drawing glides from the last place to this one.", position, 0},
+    {"entity:world_position", "() -> x, y, z", "Where it is in the world; position is relative to its parent.",
+     world_position, 0},
     {"entity:teleport", "(x, y, z)", "Puts it there at once, without a glide.", teleport, API_CHANGES},
     {"entity:rotation", "([yaw, pitch, roll]) -> x, y, z, w",
      "The rotation as a quaternion, or sets it from three angles or a quaternion's four numbers.", rotation, 0},

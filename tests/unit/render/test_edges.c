@@ -91,6 +91,26 @@ static void come_close_to_many_samples(void **unused)
     }
 }
 
+/* Each row and column of eight holds one of eight samples: nearer to sixteen than four are. */
+static void more_samples_come_closer(void **unused)
+{
+    (void)unused;
+    static uint8_t pictures[4][4 * PIXELS];
+    const int counts[4] = {16, 1, 4, 8};
+    stage s;
+    stage_make(&s, "islands.scene");
+    s.view.edge_samples = 0;
+    for (int i = 0; i < 4; i++) s.view.samples = counts[i], draw(&s, pictures[i]);
+    double before = 1;
+    for (int i = 1; i < 4; i++) {
+        const double now = distance(pictures[i], pictures[0]);
+        print_message("%d samples: error %.4f\n", counts[i], now);
+        assert_true(now < 0.7 * before);
+        before = now;
+    }
+    stage_drop(&s);
+}
+
 /* A disc's border: of each pixel, its fraction that the disc covers. */
 static void an_outline_is_its_coverage(void **unused)
 {
@@ -216,9 +236,9 @@ static void stops_in_between(void **unused)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(come_close_to_many_samples),
-                                       cmocka_unit_test(an_outline_is_its_coverage),
-                                       cmocka_unit_test(nothing_else_changes), cmocka_unit_test(bands_are_the_picture),
-                                       cmocka_unit_test(stops_in_between)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(come_close_to_many_samples), cmocka_unit_test(more_samples_come_closer),
+        cmocka_unit_test(an_outline_is_its_coverage), cmocka_unit_test(nothing_else_changes),
+        cmocka_unit_test(bands_are_the_picture),      cmocka_unit_test(stops_in_between)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -43,7 +43,7 @@ static const daft_field VIEW_ROWS[] = {
     VIEW(alpha, FROM(0, 1), .initial = {1}, .doc = "Between the last two ticks: 0 is the one before, 1 is now"),
     DAFT_CHOICE_ROW(daft_view, quality, QUALITIES, .initial = {DAFT_QUALITY_GAME},
                     .doc = "How much work a picture may be"),
-    VIEW(samples, FROM(0, 16), .doc = "Samples of a pixel: 1, 4 or 16; 0: the quality's"),
+    VIEW(samples, FROM(0, 16), .doc = "Samples of a pixel: 1, 4, 8 or 16; 0: the quality's"),
     VIEW(edge_samples, FROM(-1, 16), .initial = {-1},
          .doc = "More samples where neighbours differ: 0; 4, the corners, at outlines and creases; 16, at edges of "
                 "shadows and in "

@@ -1,0 +1,300 @@
+/* daft.sound: sounds from files or from numbers, voices that play them, music, and volumes of groups. */
+#include "lua/api.h"
+
+#include "common/util.h"
+#include "platform/audio.h"
+#include "sound/synth.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct sound_handle {
+    api_handle handle;
+    sound *what;
+} sound_handle;
+
+/* A number in a field of the table at 1, between two limits; `usual` where there is none. */
+static double number(lua_State *L, host *h, int table, const char *name, double usual, double low, double high)
+{
+    if (!api_field(L, table, name)) return usual;
+    const double value = api_number(L, h, -1, name);
+    if (value < low || value > high) api_error(L, h, "%s: %g to %g expected, got %g", name, low, high, value);
+    lua_pop(L, 1);
+    return value;
+}
+
+/* ---- sounds ---- */
+
+/* Before the sound is made: it is let go of whatever fails afterwards. */
+static sound_handle *push_sound(lua_State *L, host *h)
+{
+    sound_handle *s = lua_newuserdatauv(L, sizeof *s, 0);
+    *s = (sound_handle){.handle.id = ++h->sounds};
+    api_set_type(L, API_SOUND);
+    return s;
+}
+
+/* Lua sees only its small handle: long ones count more towards the next time it lets go of what nothing holds. */
+static int made(host *h, const sound *what)
+{
+    h->made += 1 + what->frames / SOUND_RATE;
+    return 1;
+}
+
+int api_release_sound(lua_State *L)
+{
+    sound_handle *s = lua_touserdata(L, 1);
+    sound_release(s->what);
+    s->what = NULL;
+    return 0;
+}
+
+static int from_file(lua_State *L, host *h)
+{
+    char path[PATH_SIZE];
+    size_t size;
+    daft_error error;
+    const char *name = api_text(L, h, 1, "file");
+    sound_handle *s = push_sound(L, h);
+    void *bytes =
+        host_find_file(h, name, path, sizeof path, &error) ? daft_read_file(h->def.files, path, &size, &error) : NULL;
+    if (bytes) s->what = audio_decode(h->def.engine, bytes, size, name, &error);
+    free(bytes);
+    if (!s->what) api_engine_error(L, h, &error);
+    return made(h, s->what);
+}
+
+static int from_numbers(lua_State *L, host *h)
+{
+    static const char *const FIELDS[] = {"wave",    "pitch",        "slide", "attack", "hold",  "decay", "cut",
+                                         "vibrato", "vibrato_rate", "duty",  "volume", "notes", "beat"};
+    static const char *const WAVES[SYNTH_WAVES] = {"sine", "triangle", "saw", "square", "noise"};
+    synth_def def = synth_default();
+    lua_settop(L, 1);
+    api_fields(L, h, 1, NULL, FIELDS, COUNT_OF(FIELDS));
+    if (api_field(L, 1, "wave")) def.wave = (synth_wave)api_choice(L, h, -1, "wave", WAVES, SYNTH_WAVES);
+    def.pitch = number(L, h, 1, "pitch", def.pitch, 10, 20000);
+    def.slide = number(L, h, 1, "slide", def.pitch, 10, 20000);
+    def.attack = number(L, h, 1, "attack", def.attack, 0.001, 10);
+    def.hold = number(L, h, 1, "hold", def.hold, 0, 10);
+    def.decay = number(L, h, 1, "decay", def.decay, 0.001, 10);
+    def.vibrato = number(L, h, 1, "vibrato", def.vibrato, 0, 24);
+    def.vibrato_rate = number(L, h, 1, "vibrato_rate", def.vibrato_rate, 0.1, 50);
+    def.duty = number(L, h, 1, "duty", def.duty, 0.05, 0.95);
+    def.cut = number(L, h, 1, "cut", def.cut, 0, 20000);
+    def.volume = number(L, h, 1, "volume", def.volume, 0, 1);
+    def.beat = number(L, h, 1, "beat", def.beat, 0.01, 10);
+    if (api_field(L, 1, "notes")) def.notes = api_text(L, h, -1, "notes"); /* the table holds it */
+    daft_error error;
+    sound_handle *s = push_sound(L, h);
+    s->what = synth_make(h->def.engine, &def, &error);
+    if (!s->what) api_engine_error(L, h, &error);
+    return made(h, s->what);
+}
+
+static int make(lua_State *L, host *h)
+{
+    if (lua_type(L, 1) == LUA_TSTRING) return from_file(L, h);
+    if (lua_type(L, 1) != LUA_TTABLE) api_wrong(L, h, 1, "sound", "file or table");
+    return from_numbers(L, h);
+}
+
+static sound *check_sound(lua_State *L, host *h, int index)
+{
+    return ((sound_handle *)api_check_handle(L, h, index, API_SOUND, "sound"))->what;
+}
+
+static int seconds(lua_State *L, host *h)
+{
+    lua_pushnumber(L, (double)check_sound(L, h, 1)->frames / SOUND_RATE);
+    return 1;
+}
+
+/* ---- voices ---- */
+
+static int read_group(lua_State *L, host *h, int index)
+{
+    const int group = mixer_group(&h->mixer, api_text(L, h, index, "group"));
+    if (group < 0)
+        api_error(L, h, "group: at most %d groups, with names of at most %d bytes", SOUND_GROUPS, SOUND_NAME - 1);
+    return group;
+}
+
+/* A place, or an entity that carries the voice from now on. */
+static void read_place(lua_State *L, host *h, int index, voice *v)
+{
+    const api_handle *carrier = api_test_handle(L, index, API_ENTITY);
+    v->place = api_place(L, h, index, "at");
+    v->carrier = (daft_entity){carrier ? carrier->id : 0};
+    v->placed = true;
+}
+
+static int push_voice(lua_State *L, const voice *v)
+{
+    api_new_handle(L, API_VOICE, v->id);
+    return 1;
+}
+
+static void read_options(lua_State *L, host *h, voice *v)
+{
+    static const char *const FIELDS[] = {"volume", "pitch", "pan", "loop", "at", "near", "far", "group", "fade"};
+    api_fields(L, h, 2, "options", FIELDS, COUNT_OF(FIELDS));
+    v->volume = (float)number(L, h, 2, "volume", 1, 0, 4);
+    v->pitch = number(L, h, 2, "pitch", 1, 1.0 / 16, 16);
+    v->pan = (float)number(L, h, 2, "pan", 0, -1, 1);
+    v->near = (float)number(L, h, 2, "near", (double)v->near, 0.01, 1e6);
+    v->far = (float)number(L, h, 2, "far", fmax(100, 2 * (double)v->near), 0.02, 2e6);
+    if (!(v->far > v->near))
+        api_error(L, h, "far: more than near, %g, expected, got %g", (double)v->near, (double)v->far);
+    const double fade = number(L, h, 2, "fade", 0, 0, 60);
+    if (fade > 1.0 / 60) v->fade = 0, v->fade_step = (float)(1 / (fade * 60));
+    if (api_field(L, 2, "loop")) v->loops = api_boolean(L, h, -1, "loop");
+    if (api_field(L, 2, "group")) v->group = read_group(L, h, -1);
+    if (api_field(L, 2, "at")) read_place(L, h, -1, v);
+}
+
+static int play(lua_State *L, host *h)
+{
+    lua_settop(L, 2);
+    voice wish = {.near = 3, .far = 100, .volume = 1, .pitch = 1, .fade = 1};
+    sound *what = check_sound(L, h, 1);
+    if (!lua_isnil(L, 2)) read_options(L, h, &wish);
+    voice *v = mixer_play(&h->mixer, what);
+    wish.id = v->id, wish.what = v->what, wish.gain = v->gain;
+    *v = wish;
+    return push_voice(L, v);
+}
+
+/* NULL: it is over, and there is nothing to do. */
+static voice *check_voice(lua_State *L, host *h)
+{
+    return mixer_find(&h->mixer, api_check_handle(L, h, 1, API_VOICE, "voice")->id);
+}
+
+static double read_fade(lua_State *L, host *h, int index)
+{
+    const double fade = lua_isnoneornil(L, index) ? 0 : api_number(L, h, index, "seconds");
+    if (fade < 0 || fade > 60) api_error(L, h, "seconds: 0 to 60 expected, got %g", fade);
+    return fade;
+}
+
+static int stop(lua_State *L, host *h)
+{
+    const double fade = read_fade(L, h, 2);
+    voice *v = check_voice(L, h);
+    if (v) voice_stop(v, fade);
+    return 0;
+}
+
+static double limited(lua_State *L, host *h, const char *what, double low, double high)
+{
+    const double value = api_number(L, h, 2, what);
+    if (value < low || value > high) api_error(L, h, "%s: %g to %g expected, got %g", what, low, high, value);
+    return value;
+}
+
+static int set_volume(lua_State *L, host *h)
+{
+    const double value = limited(L, h, "volume", 0, 4);
+    voice *v = check_voice(L, h);
+    if (v) v->volume = (float)value;
+    return 0;
+}
+
+static int set_pitch(lua_State *L, host *h)
+{
+    const double value = limited(L, h, "pitch", 1.0 / 16, 16);
+    voice *v = check_voice(L, h);
+    if (v) v->pitch = value;
+    return 0;
+}
+
+static int set_pan(lua_State *L, host *h)
+{
+    const double value = limited(L, h, "pan", -1, 1);
+    voice *v = check_voice(L, h);
+    if (v) v->pan = (float)value;
+    return 0;
+}
+
+static int set_place(lua_State *L, host *h)
+{
+    voice unused, *v = check_voice(L, h);
+    read_place(L, h, 2, v ? v : &unused);
+    return 0;
+}
+
+static int is_playing(lua_State *L, host *h)
+{
+    lua_pushboolean(L, check_voice(L, h) != NULL);
+    return 1;
+}
+
+/* ---- music and groups ---- */
+
+static int music(lua_State *L, host *h)
+{
+    static const char *const FIELDS[] = {"fade", "volume"};
+    lua_settop(L, 2);
+    double fade = 1, volume = 1;
+    sound *what = lua_isnil(L, 1) ? NULL : check_sound(L, h, 1);
+    if (!lua_isnil(L, 2)) {
+        api_fields(L, h, 2, "options", FIELDS, COUNT_OF(FIELDS));
+        fade = number(L, h, 2, "fade", fade, 0, 60), volume = number(L, h, 2, "volume", volume, 0, 4);
+    }
+    voice *before = mixer_find(&h->mixer, h->music);
+    if (before && before->what == what && before->fade_step >= 0) {
+        before->volume = (float)volume;
+        return 0;
+    }
+    if (before) voice_stop(before, fade);
+    h->music = 0;
+    if (!what) return 0;
+    voice *v = mixer_play(&h->mixer, what);
+    v->volume = (float)volume, v->loops = true, v->group = mixer_group(&h->mixer, "music");
+    if (fade > 1.0 / 60) v->fade = 0, v->fade_step = (float)(1 / (fade * 60));
+    h->music = v->id;
+    return 0;
+}
+
+static int group_volume(lua_State *L, host *h)
+{
+    const int group = read_group(L, h, 1);
+    if (!lua_isnoneornil(L, 2)) h->mixer.group_volumes[group] = (float)limited(L, h, "volume", 0, 4);
+    lua_pushnumber(L, (double)h->mixer.group_volumes[group]);
+    return 1;
+}
+
+static const api_function FUNCTIONS[] = {
+    {"sound", "(file) or {...} -> sound",
+     "A sound from a WAV, OGG, FLAC or MP3 file, at most ten minutes long; or made of numbers: wave (\"sine\",\n"
+     "\"triangle\", \"saw\", \"square\", \"noise\"), pitch and slide (Hz at the beginning and at the end: 440), "
+     "attack,\n"
+     "hold and decay (seconds in which it rises, stays and falls: 0.005, 0, 0.3), vibrato (semitones: 0) and\n"
+     "vibrato_rate (6 a second), duty (of a square: 0.5), cut (Hz, above which it is softer: none), volume (0.6).\n"
+     "notes = \"c4 e4 g4 -\" plays a tune of such sounds, one each beat (0.25 s), - for a rest.",
+     make, API_CHANGES},
+    {"sound:play", "([{...}]) -> voice",
+     "Plays it. volume (0 to 4: 1), pitch (how many times as fast: 1), pan (-1 left, 1 right: 0), loop, group (a\n"
+     "name), fade (seconds in which it rises). at: a place or an entity, which carries it; it is as loud as it is\n"
+     "up to near (3 m), silent from far on (100 m), and muffled by bodies between it and the camera. 64 voices\n"
+     "play at once; where one more begins, the one that is nearest its end goes.",
+     play, API_CHANGES},
+    {"sound:seconds", "() -> s", "How long it is.", seconds, 0},
+    {"voice:stop", "([seconds])", "Fades it out.", stop, API_CHANGES},
+    {"voice:volume", "(v)", "As in play. What has ended takes all of these, and nothing happens.", set_volume,
+     API_CHANGES},
+    {"voice:pitch", "(p)", "", set_pitch, API_CHANGES},
+    {"voice:pan", "(p)", "", set_pan, API_CHANGES},
+    {"voice:at", "(place or entity)", "Moves it there.", set_place, API_CHANGES},
+    {"voice:playing", "() -> boolean", "False once it has ended.", is_playing, 0},
+    {"music", "([sound [, {fade =, volume =}]])",
+     "Plays a sound over and over, in the group \"music\", while the one before fades out (1 s); nil: no more.", music,
+     API_CHANGES},
+    {"volume", "(group [, v]) -> v", "The volume of a group of voices, or of \"all\": 0 to 4.", group_volume,
+     API_CHANGES},
+};
+
+const api_area api_sound = {"Sound", FUNCTIONS, COUNT_OF(FUNCTIONS)};
