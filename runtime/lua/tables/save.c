@@ -233,7 +233,10 @@ static bool read_table(save_reader *r, int depth)
     if (take(r, "}")) return true;
     do {
         if (!take(r, "[")) return wrong(r, "'[' expected");
+        const char *place = r->at;
         if (!(*r->at == '"' ? read_string(r) : read_number(r))) return false;
+        if (*place != '"' && !lua_isinteger(r->L, -1))
+            return r->at = place, wrong(r, "a string or a whole number expected");
         if (!take(r, "]=")) return wrong(r, "']=' expected");
         if (!read_value(r, depth + 1)) return false;
         lua_rawset(r->L, -3);

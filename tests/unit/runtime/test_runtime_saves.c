@@ -180,6 +180,7 @@ static void broken_files_are_kept(void **unused)
                                          "daft-save 1\n{[1]=nan}\n",
                                          "daft-save 1\n{[1]=1e999}\n",
                                          "daft-save 1\n\"\\q\"\n",
+                                         "daft-save 1\n{[.5]=1}\n",
                                          "daft-save 1\n1 \n"};
     for (size_t i = 0; i < sizeof BROKEN / sizeof BROKEN[0]; i++) {
         char path[128], aside[128];

@@ -370,6 +370,10 @@ static void the_camera_hears_where_and_through_what(void **unused)
 
 /* ---- files ---- */
 
+/* SDL2_mixer 2.6 does not give back 8 KB of a FLAC file that breaks off, nor 72 bytes of such an OGG file. */
+__attribute__((visibility("default"))) const char *__lsan_default_suppressions(void);
+const char *__lsan_default_suppressions(void) { return "leak:libSDL2"; }
+
 static void *read_tone(const char *kind, size_t *size)
 {
     char path[600];
