@@ -19,7 +19,8 @@ static const cli_command COMMAND = {
     "[GAME]",
     "Plays a game: a folder with a main.lua, a packed game (.daft), or the name of one in games/. Without GAME, shows "
     "a menu.",
-    "Keys: Esc leaves, F1 shows the time of each effect, F11 or Alt+Enter toggles full screen, F12 writes a picture.\n"
+    "Keys: Esc opens a menu, F1 shows the time of each effect, F11 or Alt+Enter toggles full screen, F12 writes a "
+    "picture.\n"
     "Without a display it plays the game's recorded demo (marble's when GAME is missing) and writes daft-demo.png.",
     0,
     1};
@@ -74,6 +75,8 @@ static session_def base_session(const player *p)
                                                                 : 0,
                          .saves = o->kept[0] ? o->kept : NULL,
                          .costs = o->costs[0] ? o->costs : NULL,
+                         .pauses = !p->screen->headless,
+                         .settings = o->kept[0] ? o->kept : NULL,
                          .fixed_size = p->screen->headless,
                          .seed = (uint64_t)o->seed,
                          .ticks = (uint64_t)o->ticks,

@@ -107,8 +107,13 @@ static void take_input(game_state *state)
 static bool call_key_handlers(game_state *state)
 {
     const input *keys = &state->keys;
+    const int restart = input_key_find(INPUT_RESTART);
     for (size_t i = 0; i < keys->applied_count; i++) {
         const input_event *event = &keys->applied[i];
+        if (event->kind == INPUT_KEY && event->key == restart) {
+            state->scripts.restart |= event->down;
+            continue;
+        }
         if (event->kind == INPUT_KEY && !host_key(&state->scripts, event->key, event->down)) return false;
     }
     return true;
@@ -161,6 +166,7 @@ bool game_tick(game_state *state)
     daft_error error;
     state->ticks++;
     state->scripts.tick++;
+    atomic_store(&state->alive_ns, clock_now_ns());
     state->over = state->scripts.quit;
     if (state->scripts.restart && !state->over && !game_reload(state, &error))
         return stop_with(state, "restart", &error);
@@ -188,7 +194,10 @@ static bool render(game_state *state, daft_image *picture, float alpha)
     view.progress_user = state->scripts.dog;
     daft_error error;
     watchdog_begin(state->scripts.dog, name, factor);
+    atomic_store(&state->rendering, true);
     bool good = daft_render(state->scene, &view, picture, &error);
+    atomic_store(&state->alive_ns, clock_now_ns());
+    atomic_store(&state->rendering, false);
     return in_time(state, name) && (good || stop_with(state, "drawing", &error));
 }
 

@@ -14,6 +14,8 @@
 #include "game/governor.h"
 #include "game/recording.h"
 
+#include <stdatomic.h>
+
 typedef struct game_def {
     const home *where;
     const game_info *info;
@@ -42,8 +44,12 @@ typedef struct game_state {
     host scripts;
     input keys;
     uint64_t ticks; /* since game_open; a restart does not reset it */
-    bool failed;    /* scripts.message and scripts.trace hold the error */
-    bool over;      /* daft.quit was called */
+    /* When something last came to an end, a tick or a picture; and whether a picture is at work. For the watchdog's
+     * thread. */
+    _Atomic uint64_t alive_ns;
+    atomic_bool rendering;
+    bool failed; /* scripts.message and scripts.trace hold the error */
+    bool over;   /* daft.quit was called */
 } game_state;
 
 /* Runs main.lua and daft.load. False only when out of memory; a script error gives a game with `failed` set. */

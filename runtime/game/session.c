@@ -5,6 +5,7 @@
 #include "game/costs.h"
 #include "game/governor.h"
 #include "game/loop.h"
+#include "game/pause.h"
 #include "hud/screens.h"
 #include "common/stop.h"
 #include "common/util.h"
@@ -31,7 +32,11 @@ typedef struct session {
     recording replay;
     recorder *record;
     tape sounds;
-    saves *kept;
+    saves *kept, *own; /* the game's; the program's */
+    player_settings settings;
+    pause_menu pause;
+    bool redraws; /* while it pauses: the picture is to change */
+    bool paced;   /* the player has set something in this session */
     daft_image *picture;
     daft_history *history;
     loop clock;
@@ -122,6 +127,50 @@ static bool draw(session *s, float alpha, daft_error *error)
 
 /* ---- events ---- */
 
+static void push_restart(session *s)
+{
+    input_event event = {.kind = INPUT_KEY, .key = input_key_find(INPUT_RESTART), .down = true};
+    input_push(&s->play.keys, &event);
+    event.down = false;
+    input_push(&s->play.keys, &event);
+}
+
+static void apply_settings(session *s)
+{
+    platform *screen = s->def->screen;
+    audio_volume(s->settings.volume / 10.0);
+    if (screen->full_screen) screen->full_screen(screen, s->settings.full_screen);
+}
+
+static void open_pause(session *s)
+{
+    platform *screen = s->def->screen;
+    if (screen->full_screen) s->settings.full_screen = screen->full_screen(screen, -1);
+    pause_open(&s->pause);
+    input_push_release_all(&s->play.keys);
+    s->redraws = true;
+}
+
+static void take_pause(session *s, const input_event *event)
+{
+    const int before = s->pause.chosen;
+    const pause_wish wish = pause_take(&s->pause, event);
+    s->redraws |= wish != PAUSE_STAY || s->pause.chosen != before;
+    if (wish == PAUSE_LEAVE) s->left = true;
+    if (wish == PAUSE_RESTART) push_restart(s);
+    if (wish != PAUSE_SET) return;
+    s->paced = true;
+    apply_settings(s);
+    settings_save(s->own, &s->settings);
+}
+
+/* Esc and the gamepad's start. */
+static bool is_pause(const session *s, const input_event *event)
+{
+    const char *name = event->kind == INPUT_KEY && event->down ? input_key_name(event->key) : "";
+    return s->def->pauses && !s->play.failed && (strcmp(name, "escape") == 0 || strcmp(name, "pad start") == 0);
+}
+
 static void handle_session_key(session *s, int key)
 {
     const char *name = input_key_name(key);
@@ -129,6 +178,18 @@ static void handle_session_key(session *s, int key)
     if (strcmp(name, "f1") == 0) s->overlay = !s->overlay;
     if (strcmp(name, "f12") == 0) s->wants_shot = true;
     if (strcmp(name, "r") == 0 && s->play.failed) s->wants_reload = true;
+}
+
+static void take_input(session *s, const input_event *event)
+{
+    if (s->pause.open) {
+        take_pause(s, event);
+    } else if (is_pause(s, event)) {
+        open_pause(s);
+    } else {
+        if (event->kind == INPUT_KEY && event->down) handle_session_key(s, event->key);
+        input_push(&s->play.keys, event);
+    }
 }
 
 static void take_events(session *s)
@@ -140,23 +201,26 @@ static void take_events(session *s)
         case PLATFORM_FOCUS_LOST: input_push_release_all(&s->play.keys); break;
         case PLATFORM_DROP: break;
         case PLATFORM_INPUT:
-            if (event.input.kind == INPUT_KEY && event.input.down) handle_session_key(s, event.input.key);
             session_scale_mouse(screen, &event.input);
-            input_push(&s->play.keys, &event.input);
+            take_input(s, &event.input);
             break;
         }
     }
     atomic_store(&s->polled_ns, clock_now_ns());
 }
 
-/* On the watchdog's thread. Esc must answer within 100 ms: where nobody has looked at the events for a while, it looks.
- * Where a file is yet to be written, or the menu is to come back, the game has more time to end well. */
+/* On the watchdog's thread. Esc must answer within 100 ms: where nobody has looked at the events for a while, and
+ * nothing came to its end, it looks. With a pause menu Esc leaves only where the game is stuck: it waits longer, and
+ * for a picture longer still. Where a file is yet to be written, or the menu is to come back, the game has more time to
+ * end well. */
 static int asked(void *user)
 {
-    enum { OLD_NS = 20000000, SHORT_MS = 30, LONG_MS = 1500 };
+    enum { OLD_NS = 20000000, STUCK_NS = 50000000, PICTURE_NS = 300000000, SHORT_MS = 30, LONG_MS = 1500 };
     session *s = user;
     platform *screen = s->def->screen;
-    if (!screen->leave_waits || clock_now_ns() - atomic_load(&s->polled_ns) < OLD_NS) return 0;
+    const uint64_t now = clock_now_ns(), polled = atomic_load(&s->polled_ns), alive = atomic_load(&s->play.alive_ns);
+    const uint64_t least = !s->def->pauses ? OLD_NS : atomic_load(&s->play.rendering) ? PICTURE_NS : STUCK_NS;
+    if (!screen->leave_waits || now - (polled > alive ? polled : alive) < least) return 0;
     if (!screen->leave_waits(screen)) return 0;
     atomic_store(&s->leaving, true);
     return s->def->stays || s->def->shot || s->def->stats || s->def->hash ? LONG_MS : SHORT_MS;
@@ -273,7 +337,8 @@ static bool run_updates(session *s, int updates, daft_error *error)
  * times a second. */
 static double target_of(const session *s)
 {
-    const double player = s->def->target_ms, game = s->play.scripts.target_ms;
+    const double set = pause_target_ms(&s->settings), game = s->play.scripts.target_ms;
+    const double player = set >= 0 && (s->paced || s->def->target_ms < 0) ? set : s->def->target_ms;
     if (s->def->screen->headless) return 0;
     return player >= 0 ? player : game >= 0 ? game : 1000.0 / 60;
 }
@@ -302,10 +367,31 @@ static void grab_mouse(session *s, bool grab)
     s->grabbed = grab;
 }
 
+/* The game's last picture with the menu over it. No time passes. */
+static bool turn_paused(session *s, daft_error *error)
+{
+    platform *screen = s->def->screen;
+    int width, height;
+    session_picture_size(&s->now, &width, &height);
+    s->redraws |= !s->picture || width != daft_image_width(s->picture) || height != daft_image_height(s->picture);
+    s->last_ns = screen->now_ns(screen);
+    grab_mouse(s, false);
+    if (s->redraws) {
+        if (!draw(s, loop_alpha(&s->clock), error)) return false;
+        canvas over = canvas_over(s->picture);
+        if (!s->play.failed) pause_draw(&s->pause, &over, s->def->face, s->info->title);
+        s->redraws = false, s->drawn_ms = 0;
+    }
+    if (screen->wants_frame(screen) && !screen->present(screen, s->picture, error)) return false;
+    screen->end_frame(screen);
+    return true;
+}
+
 static bool turn(session *s, daft_error *error)
 {
     platform *screen = s->def->screen;
     take_events(s);
+    if (s->pause.open) return turn_paused(s, error);
     if (s->wants_reload) {
         s->wants_reload = s->reported = false;
         if (!game_reload(&s->play, error)) return false;
@@ -363,6 +449,10 @@ static bool open_saves(session *s, daft_error *error)
                            .told = s->record ? record_saved : NULL,
                            .user = s};
     s->kept = saves_open(&def, error);
+    s->own = saves_open(&(saves_def){.folder = s->def->settings, .game = "DAFT"}, error);
+    if (!s->own) return false;
+    s->settings = settings_load(s->own), s->pause.settings = &s->settings;
+    if (s->def->pauses) apply_settings(s);
     for (size_t i = 0; s->kept && i < s->replay.saved_count; i++)
         if (!saves_expect(s->kept, s->replay.saved[i].name, s->replay.saved[i].text, error)) return false;
     return s->kept != NULL;
@@ -441,6 +531,7 @@ session_end session_play(const session_def *def, const game_info *info, daft_err
     daft_engine_set_files(def->engine, NULL, NULL);
     source_close(&own);
     saves_close(s.kept);
+    saves_close(s.own);
     recorder_free(s.record);
     recording_free(&s.replay);
     daft_image_destroy(s.picture);

@@ -37,6 +37,8 @@ typedef struct session_def {
     bool speaks;                 /* through the loudspeaker */
     double seconds;              /* one call into the game may take; 0: WATCHDOG_SECONDS */
     bool stays;                  /* the window stays after the session: for a menu */
+    bool pauses;                 /* Esc opens the pause menu; else it leaves */
+    const char *settings;        /* folder of the player's settings, or NULL */
 } session_def;
 
 typedef enum session_end {

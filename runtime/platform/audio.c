@@ -8,7 +8,9 @@
 #include <SDL_mixer.h>
 #include <limits.h>
 #include <stdatomic.h>
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum {
     RING = 16384,              /* frames, a power of two */
@@ -19,6 +21,7 @@ enum {
 
 static struct {
     bool open, speaks;
+    int loudness; /* of 256 */
     int16_t frames[2 * RING];
     _Atomic uint32_t put, taken; /* frames so far */
 } output;
@@ -50,9 +53,29 @@ static bool open_output(bool speaks, daft_error *error)
     return true;
 }
 
+/* Without any output ALSA's library tells the terminal at length. */
+static bool has_loudspeaker(void)
+{
+#if defined(__linux__)
+    const char *const names[] = {"SDL_AUDIODRIVER", "PULSE_SERVER", "PIPEWIRE_REMOTE"};
+    const char *const sockets[] = {"pulse/native", "pipewire-0"};
+    const char *folder = getenv("XDG_RUNTIME_DIR");
+    char path[PATH_SIZE];
+    for (size_t i = 0; i < COUNT_OF(names); i++)
+        if (getenv(names[i])) return true;
+    for (size_t i = 0; folder && i < COUNT_OF(sockets); i++)
+        if (path_join(path, sizeof path, folder, sockets[i]) && access(path, F_OK) == 0) return true;
+    return access("/dev/snd", F_OK) == 0 || access("/dev/dsp", F_OK) == 0;
+#else
+    return true;
+#endif
+}
+
 bool audio_open(daft_error *error)
 {
     static const int16_t silence[2 * AHEAD];
+    output.loudness = 256;
+    if (!has_loudspeaker()) return fail(error, DAFT_ERROR_UNSUPPORTED, "no sound: there is no loudspeaker");
     if (!open_output(true, error)) return false;
     audio_play(silence, AHEAD);
     Mix_HookMusic(feed, NULL);
@@ -65,10 +88,12 @@ void audio_play(const int16_t *frames, uint32_t count)
     const uint32_t put = atomic_load_explicit(&output.put, memory_order_relaxed);
     const uint32_t waits = put - atomic_load_explicit(&output.taken, memory_order_acquire);
     if (waits > WAITING || count > RING - waits) return;
-    for (uint32_t i = 0; i < count; i++)
-        memcpy(&output.frames[(size_t)2 * ((put + i) % RING)], &frames[(size_t)2 * i], 4);
+    for (uint32_t i = 0; i < 2 * count; i++)
+        output.frames[(2 * put + i) % (2 * RING)] = (int16_t)(frames[i] * output.loudness / 256);
     atomic_store_explicit(&output.put, put + count, memory_order_release);
 }
+
+void audio_volume(double volume) { output.loudness = (int)(256 * volume); }
 
 void audio_close(void)
 {

@@ -8,6 +8,8 @@
 bool audio_open(daft_error *error);
 /* Frames to play next, left and right by turns. Where more than a tenth of a second waits, they are dropped. */
 void audio_play(const int16_t *frames, uint32_t count);
+/* 0 silent, 1 as it is. */
+void audio_volume(double volume);
 /* Lets go of the loudspeaker, and of what decoding needed. Fine where nothing was opened. */
 void audio_close(void);
 

@@ -13,6 +13,8 @@ bool audio_open(daft_error *error) { return missing(error); }
 
 void audio_play(const int16_t *frames, uint32_t count) { (void)frames, (void)count; }
 
+void audio_volume(double volume) { (void)volume; }
+
 void audio_close(void) {}
 
 sound *audio_decode(daft_engine *engine, const void *bytes, size_t size, const char *name, daft_error *error)

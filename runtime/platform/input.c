@@ -5,7 +5,7 @@
 #include <string.h>
 
 /* Indices are never stored; recordings hold names. */
-/* Gamepads' buttons come last, in SDL's order. */
+/* Gamepads' buttons stand in SDL's order. The last is INPUT_RESTART. */
 /* clang-format off */
 static const char *const KEYS[] = {
     "a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k", "l", "m", "n", "o", "p", "q", "r", "s", "t", "u", "v", "w",
@@ -21,7 +21,7 @@ static const char *const KEYS[] = {
     "keypad 9", "keypad .", "keypad /", "keypad *", "keypad -", "keypad +", "keypad enter",
     "mouse1", "mouse2", "mouse3", "mouse4", "mouse5",
     "pad a", "pad b", "pad x", "pad y", "pad back", "pad guide", "pad start", "pad left stick", "pad right stick",
-    "pad left shoulder", "pad right shoulder", "pad up", "pad down", "pad left", "pad right"};
+    "pad left shoulder", "pad right shoulder", "pad up", "pad down", "pad left", "pad right", "start again"};
 /* clang-format on */
 static const char *const STICKS[INPUT_STICKS] = {"left x",  "left y",       "right x",
                                                  "right y", "left trigger", "right trigger"};

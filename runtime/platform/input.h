@@ -10,6 +10,10 @@
 
 enum { INPUT_KEYS = 128, INPUT_STICKS = 6, INPUT_QUEUE = 256 };
 
+/* "start again": no key, but what the player chose in the pause menu. It is recorded as a key is; no handler hears of
+ * it. */
+#define INPUT_RESTART "start again"
+
 /* Keys have SDL's names in lower case. Unknown names give -1, unknown numbers NULL. */
 int input_key_find(const char *name);
 const char *input_key_name(int key);

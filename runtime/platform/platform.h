@@ -34,6 +34,8 @@ struct platform {
     void (*end_frame)(platform *self); /* after each turn of the loop */
     uint64_t (*now_ns)(platform *self);
     void (*set_title)(platform *self, const char *title);
+    /* 1 or 0: the window fills the screen from now on, or not; -1: only asks. Whether it does. NULL: it never does. */
+    bool (*full_screen)(platform *self, int wish);
     void (*grab_mouse)(platform *self, bool grab); /* hides and confines the mouse; events become relative motions */
     /* The window goes from sight. From any thread once leave_waits was true. */
     void (*hide)(platform *self);

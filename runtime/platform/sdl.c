@@ -72,10 +72,23 @@ static int button_of(Uint8 button)
     return input_key_find(name);
 }
 
+static bool is_full_screen(sdl_platform *sdl)
+{
+    return (SDL_GetWindowFlags(sdl->window) & SDL_WINDOW_FULLSCREEN_DESKTOP) != 0;
+}
+
 static void toggle_fullscreen(sdl_platform *sdl)
 {
-    bool full = (SDL_GetWindowFlags(sdl->window) & SDL_WINDOW_FULLSCREEN_DESKTOP) != 0;
-    SDL_SetWindowFullscreen(sdl->window, full ? 0 : SDL_WINDOW_FULLSCREEN_DESKTOP);
+    SDL_SetWindowFullscreen(sdl->window, is_full_screen(sdl) ? 0 : SDL_WINDOW_FULLSCREEN_DESKTOP);
+}
+
+static bool full_screen_sdl(platform *self, int wish)
+{
+    sdl_platform *sdl = lock(self);
+    if (wish >= 0 && is_full_screen(sdl) != (wish > 0)) toggle_fullscreen(sdl);
+    const bool full = is_full_screen(sdl);
+    unlock(sdl);
+    return full;
 }
 
 static bool key_event(sdl_platform *sdl, const SDL_KeyboardEvent *event, input_event *out)
@@ -376,6 +389,7 @@ platform *platform_open_sdl(const char *title, int width, int height, daft_error
                            .end_frame = end_frame_sdl,
                            .now_ns = now_sdl,
                            .set_title = set_title_sdl,
+                           .full_screen = full_screen_sdl,
                            .grab_mouse = grab_sdl,
                            .hide = hide_sdl,
                            .leave_waits = leave_waits_sdl};

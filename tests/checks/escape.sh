@@ -1,7 +1,7 @@
 #!/bin/sh
 # usage: escape.sh PROGRAM
 # A real window, on an X server without a screen: Esc closes it at once while the game is stuck in a callback, wherever that is, and the recording
-# is saved. Skipped without Xvfb and xdotool.
+# is saved; else it opens the pause menu. Skipped without Xvfb and xdotool.
 set -u
 
 program=$1
@@ -27,24 +27,35 @@ unset WAYLAND_DISPLAY SDL_VIDEODRIVER
 
 now_ms() { echo $(($(date +%s%N) / 1000000)); }
 
-# try NAME LUA SECONDS: plays the game, presses Esc after so many seconds, and waits for the window to go.
-try() {
+# start NAME LUA: plays the game; `window` is its window.
+start() {
     mkdir "$out/$1"
     printf '%s\n' "$2" >"$out/$1/main.lua"
-    "$program" play "$out/$1" --size 320x180 --time-limit 60 --record "$out/$1.rec" 2>"$out/said" &
+    "$program" play "$out/$1" --size 320x180 --time-limit 60 --record "$out/$1.rec" --saves "$out" 2>"$out/said" &
     game=$!
     window=$(timeout 20 xdotool search --sync --onlyvisible --pid "$game" 2>/dev/null | head -n 1)
     [ -n "$window" ] || { echo "$1: no window" && exit 1; }
-    sleep "$3"
+}
+
+# leave NAME KEYS: presses them, and waits for the window to go.
+leave() {
     began=$(now_ms)
-    xdotool windowfocus "$window" key Escape 2>/dev/null
+    # shellcheck disable=SC2086 # a list of keys
+    xdotool windowfocus "$window" key $2 2>/dev/null
     while xdotool getwindowname "$window" >/dev/null 2>&1 && xdotool search --onlyvisible --pid "$game" >/dev/null 2>&1; do
-        [ $(($(now_ms) - began)) -lt 5000 ] || { echo "$1: Esc does not close the window" && exit 1; }
+        [ $(($(now_ms) - began)) -lt 5000 ] || { echo "$1: $2 does not close the window" && exit 1; }
     done
     echo "$1: $(($(now_ms) - began)) ms, of which xdotool takes some"
     wait "$game" || { echo "$1: exit status $?" && cat "$out/said" && exit 1; }
     game=
     tail -n 1 "$out/$1.rec" | grep -q '^end ' || { echo "$1: no recording" && exit 1; }
+}
+
+# try NAME LUA SECONDS: presses Esc after so many seconds.
+try() {
+    start "$1" "$2"
+    sleep "$3"
+    leave "$1" Escape
 }
 
 try load 'function daft.load() while true do end end' 1
@@ -54,4 +65,11 @@ try pattern 'function daft.update() if daft.tick() == 30 then ("a"):rep(60):find
 try library 'local a = ("\0"):rep(60000000)
 local b = a .. "x"
 function daft.update() while daft.tick() == 30 do local less = a < b end end' 2.5
-try fine 'function daft.update() end' 1
+
+# A game that works pauses, and its menu's last row leaves.
+start fine 'function daft.update() end'
+sleep 1
+xdotool windowfocus "$window" key Escape
+sleep 0.5
+kill -0 "$game" 2>/dev/null || { echo "fine: Esc does not open the menu" && exit 1; }
+leave fine 'Up Return'

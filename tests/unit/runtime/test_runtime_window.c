@@ -3,6 +3,7 @@
 #include "game/loop.h"
 #include "game/menu.h"
 #include "game/session.h"
+#include "runtime_program.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -193,6 +194,152 @@ static void escape_leaves_and_the_window_closes(void **unused)
     tear_down();
 }
 
+static void count_lines(const char *path, const char *wanted, int *count)
+{
+    char line[128];
+    FILE *file = fopen(path, "r");
+    assert_non_null(file);
+    for (*count = 0; fgets(line, sizeof line, file);)
+        if (strstr(line, wanted)) ++*count;
+    fclose(file);
+}
+
+/* ---- the pause menu ---- */
+
+static char folder[64], recorded[96];
+
+static void make_folder(void)
+{
+    snprintf(folder, sizeof folder, "/tmp/daft-pause-XXXXXX");
+    assert_non_null(mkdtemp(folder));
+    snprintf(recorded, sizeof recorded, "%s/a.rec", folder);
+}
+
+static void drop_folder(void)
+{
+    char command[96];
+    snprintf(command, sizeof command, "rm -r %s", folder);
+    assert_int_equal(system(command), 0);
+}
+
+static session_end play_and_pause(void)
+{
+    s.def.pauses = true, s.def.record = recorded, s.def.settings = folder;
+    session_end end = play("sample");
+    tear_down();
+    return end;
+}
+
+static int ticks_recorded(void)
+{
+    char line[128];
+    int end = -1;
+    FILE *file = fopen(recorded, "r");
+    assert_non_null(file);
+    while (fgets(line, sizeof line, file)) sscanf(line, "end %d", &end);
+    fclose(file);
+    return end;
+}
+
+static void escape_pauses_and_the_game_stands_still(void **unused)
+{
+    (void)unused;
+    int count;
+    make_folder();
+    /* Held when the menu opens: let go. In the menu the game hears nothing. */
+    const happening script[] = {{5, "+left", 0, 0},   {10, "+escape", 0, 0}, {11, "-escape", 0, 0},
+                                {40, "+right", 0, 0}, {60, "+escape", 0, 0}, {70, "+escape", 0, 0},
+                                {80, "+up", 0, 0},    {81, "+return", 0, 0}};
+    PLAY(script);
+    assert_int_equal(play_and_pause(), SESSION_LEFT);
+    assert_in_range(ticks_recorded(), 18, 22);
+    assert_true(s.screen.hidden);
+    count_lines(recorded, "-left", &count);
+    assert_int_equal(count, 1);
+    count_lines(recorded, "right", &count);
+    assert_int_equal(count, 0);
+    count_lines(recorded, "escape", &count);
+    assert_int_equal(count, 0);
+    const happening close[] = {{5, "+pad start", 0, 0}, {20, "close", 0, 0}};
+    PLAY(close);
+    assert_int_equal(play_and_pause(), SESSION_CLOSED);
+    drop_folder();
+}
+
+static void the_pause_menu_shows_itself_and_goes_by_mouse(void **unused)
+{
+    (void)unused;
+    make_folder();
+    /* Nothing changes but by the menu: opened, the last row chosen by the mouse, and left by a click on it. */
+    const happening script[] = {{5, "+escape", 0, 0}, {30, "click", 0.5f, 0.761f}};
+    PLAY(script);
+    assert_int_equal(play_and_pause(), SESSION_LEFT);
+    const uint64_t with = s.screen.changed;
+    assert_true(with >= 1);
+    const happening miss[] = {{5, "+escape", 0, 0},
+                              {30, "click", 0.1f, 0.761f},
+                              {40, "click", 0.5f, 0.36f},
+                              {60, "close", 0, 0}}; /* beside the rows; then "Continue" */
+    PLAY(miss);
+    assert_int_equal(play_and_pause(), SESSION_CLOSED);
+    assert_in_range(ticks_recorded(), 20, 28);
+    drop_folder();
+}
+
+static void settings_last(void **unused)
+{
+    (void)unused;
+    char path[96];
+    int count;
+    make_folder();
+    snprintf(path, sizeof path, "%s/DAFT.settings.save", folder);
+    const happening script[] = {{2, "+escape", 0, 0}, {4, "+down", 0, 0}, {5, "+right", 0, 0},  {6, "+right", 0, 0},
+                                {7, "+down", 0, 0},   {8, "+left", 0, 0}, {9, "+escape", 0, 0}, {12, "close", 0, 0}};
+    PLAY(script);
+    play_and_pause();
+    count_lines(path, "pace 2 volume 7 full_screen 0", &count);
+    assert_int_equal(count, 1);
+    const happening again[] = {{2, "+escape", 0, 0}, {4, "+down", 0, 0}, {5, "+left", 0, 0}, {12, "close", 0, 0}};
+    PLAY(again);
+    play_and_pause();
+    count_lines(path, "pace 1 volume 7 full_screen 0", &count);
+    assert_int_equal(count, 1);
+    /* What cannot be read is as if it had not been there. */
+    daft_error error;
+    static const char wrong[] = "daft-save 1\npace 99 volume 7 full_screen 0\n";
+    assert_true(daft_write_file(path, wrong, sizeof wrong - 1, &error));
+    PLAY(again);
+    play_and_pause();
+    count_lines(path, "pace 4 volume 8 full_screen 0", &count);
+    assert_int_equal(count, 1);
+    drop_folder();
+}
+
+/* It is part of the recording: the replay starts again at the same tick. */
+static void starting_again_is_replayed(void **unused)
+{
+    (void)unused;
+    static char output[OUTPUT_SIZE];
+    make_folder();
+    const happening script[] = {
+        {30, "+escape", 0, 0}, {31, "+up", 0, 0}, {32, "+up", 0, 0}, {33, "+return", 0, 0}, {60, "close", 0, 0}};
+    PLAY(script);
+    assert_int_equal(play_and_pause(), SESSION_CLOSED);
+    int count;
+    count_lines(recorded, "+start again", &count);
+    assert_int_equal(count, 1);
+    const int ticks = ticks_recorded();
+    char before[64];
+    snprintf(before, sizeof before, "tick %d state 0x", ticks);
+    assert_status(run_daft(output, "play tests/games/sample --headless --hash --replay %s", recorded), 0, output);
+    assert_says(output, before);
+    char with[32];
+    snprintf(with, sizeof with, "%.18s", strstr(output, "state ") + 6);
+    assert_status(run_daft(output, "play tests/games/sample --headless --hash --ticks %d", ticks), 0, output);
+    assert_true(strstr(output, with) == NULL); /* it would be elsewhere without */
+    drop_folder();
+}
+
 static void the_picture_follows_the_window(void **unused)
 {
     (void)unused;
@@ -243,16 +390,6 @@ static void pictures_of_soft_light_get_better(void **unused)
     assert_int_equal(play("soft"), SESSION_LEFT);
     assert_int_equal(s.screen.changed, 0);
     tear_down();
-}
-
-static void count_lines(const char *path, const char *wanted, int *count)
-{
-    char line[128];
-    FILE *file = fopen(path, "r");
-    assert_non_null(file);
-    for (*count = 0; fgets(line, sizeof line, file);)
-        if (strstr(line, wanted)) ++*count;
-    fclose(file);
 }
 
 static void what_is_pressed_is_recorded_and_focus_loss_releases_it(void **unused)
@@ -367,6 +504,10 @@ static void a_menu_without_games_can_be_left(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(escape_leaves_and_the_window_closes),
+                                       cmocka_unit_test(escape_pauses_and_the_game_stands_still),
+                                       cmocka_unit_test(the_pause_menu_shows_itself_and_goes_by_mouse),
+                                       cmocka_unit_test(settings_last),
+                                       cmocka_unit_test(starting_again_is_replayed),
                                        cmocka_unit_test(the_picture_follows_the_window),
                                        cmocka_unit_test(a_script_error_is_shown_and_r_reloads),
                                        cmocka_unit_test(pictures_of_soft_light_get_better),
