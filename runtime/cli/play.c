@@ -76,6 +76,7 @@ static session_def base_session(const player *p)
                          .saves = o->kept[0] ? o->kept : NULL,
                          .costs = o->costs[0] ? o->costs : NULL,
                          .pauses = !p->screen->headless,
+                         .watches = !p->screen->headless,
                          .settings = o->kept[0] ? o->kept : NULL,
                          .fixed_size = p->screen->headless,
                          .seed = (uint64_t)o->seed,

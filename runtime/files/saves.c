@@ -112,6 +112,17 @@ bool saves_expect(saves *store, const char *name, const char *text, daft_error *
     return true;
 }
 
+saves *saves_copy(const saves *from, daft_error *error)
+{
+    saves *copy = saves_open(&(saves_def){.game = from->def.game}, error);
+    for (size_t i = 0; copy && i < from->count; i++) {
+        if (saves_expect(copy, from->items[i].name, from->items[i].text, error)) continue;
+        saves_close(copy);
+        return NULL;
+    }
+    return copy;
+}
+
 /* The text of a file's bytes, in place; NULL with the message. */
 static const char *take_text(char *bytes, size_t size, const char *path, daft_error *error)
 {

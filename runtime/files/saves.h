@@ -21,6 +21,8 @@ typedef struct saves_def {
 
 /* Copies the definition. NULL when out of memory. */
 saves *saves_open(const saves_def *def, daft_error *error);
+/* One of the same values without a folder. */
+saves *saves_copy(const saves *from, daft_error *error);
 void saves_close(saves *store); /* NULL is fine */
 /* Letters, digits, '_' and '-', SAVES_NAME at most. */
 bool saves_is_name(const char *name);

@@ -5,6 +5,7 @@
 
 #include "game/ear.h"
 #include "game/loop.h"
+#include "game/relive.h"
 #include "common/util.h"
 
 #include <stdio.h>
@@ -85,6 +86,7 @@ void game_close(game_state *state)
 bool game_reload(game_state *state, daft_error *error)
 {
     end(state);
+    if (state->def.trail) trail_restart(state->def.trail, state->ticks, &state->keys, state->def.saves);
     return start(state, error);
 }
 
@@ -101,6 +103,7 @@ static void take_input(game_state *state)
         input_apply_queue(keys);
     }
     state->scripts.replaying = replaying;
+    if (state->def.trail) trail_add(state->def.trail, state->ticks, keys->applied, keys->applied_count);
     if (state->def.record) recorder_tick(state->def.record, state->ticks, keys->applied, keys->applied_count);
 }
 

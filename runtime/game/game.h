@@ -1,5 +1,5 @@
 /* game: everything from one tick of a game to a session at a window.
- * Public headers: session.h menu.h game.h recording.h loop.h governor.h costs.h ear.h
+ * Public headers: session.h menu.h game.h recording.h loop.h governor.h costs.h ear.h pause.h relive.h
  * session.h plays a game on a platform, menu.h chooses one, recording.h reads and writes input, loop.h is the fixed
  * time step, and game.h (this) runs one game, tick by tick, without a window or a clock. One tick stores the poses for
  * interpolation, applies the input (live or recorded), calls daft.keypressed and daft.keyreleased, then
@@ -26,6 +26,7 @@ typedef struct game_def {
     uint64_t seed;
     recording *replay;        /* or NULL; must outlive the game */
     recorder *record;         /* or NULL; must outlive the game */
+    struct trail *trail;      /* of what happens, to do it again (relive.h); or NULL; must outlive the game */
     daft_history *history;    /* of pictures that follow each other on a screen; or NULL; must outlive the game */
     saves *saves;             /* what the game keeps; must outlive it. NULL: as long as it runs */
     const governor *governor; /* chooses knobs of pictures; or NULL; must outlive the game */

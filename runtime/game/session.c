@@ -2,10 +2,12 @@
 #include "game/session.h"
 
 #include "files/saves.h"
+#include "files/watch.h"
 #include "game/costs.h"
 #include "game/governor.h"
 #include "game/loop.h"
 #include "game/pause.h"
+#include "game/relive.h"
 #include "hud/screens.h"
 #include "common/stop.h"
 #include "common/util.h"
@@ -27,8 +29,12 @@ typedef struct session {
     const game_source *source;
     governor pace;
     bool governs;
-    double drawn_ms; /* of the frame at work, and its updates */
-    game_state play;
+    double drawn_ms;            /* of the frame at work, and its updates */
+    game_state games[2], *play; /* the one that runs, and room for what takes its place */
+    trail past;
+    watch files;
+    char notice[HOST_MESSAGE]; /* of a change of the files, over the picture; or empty */
+    uint64_t notice_ns;        /* until when; 0: until it is right */
     recording replay;
     recorder *record;
     tape sounds;
@@ -93,8 +99,8 @@ static void draw_overlay(session *s)
                                .frame_ms = s->frame_ms,
                                .update_ms = s->update_ms,
                                .dropped = s->clock.dropped,
-                               .counters = daft_scene_counters(s->play.scene),
-                               .simulation = daft_scene_sim_counters(s->play.scene),
+                               .counters = daft_scene_counters(s->play->scene),
+                               .simulation = daft_scene_sim_counters(s->play->scene),
                                .memory = daft_engine_memory(s->def->engine)};
     canvas over = canvas_over(s->picture);
     char quality[160];
@@ -113,14 +119,18 @@ static bool draw(session *s, float alpha, daft_error *error)
 {
     if (!session_fit_picture(&s->now, &s->picture, error)) return false;
     uint64_t began = clock_now_ns();
-    if (game_draw(&s->play, s->picture, alpha)) {
+    if (game_draw(s->play, s->picture, alpha)) {
         double ms = (double)(clock_now_ns() - began) / 1e6;
         s->frame_ms = smooth(s->frame_ms, ms), s->drawn_ms += ms;
-        if (s->def->stats) frame_times_add(&s->times, ms, daft_scene_counters(s->play.scene));
+        if (s->def->stats) frame_times_add(&s->times, ms, daft_scene_counters(s->play->scene));
         if (s->overlay) draw_overlay(s);
     } else {
         canvas over = canvas_over(s->picture);
-        screen_error(&over, s->def->face, s->info->title, s->play.scripts.message, s->play.scripts.trace);
+        screen_error(&over, s->def->face, s->info->title, s->play->scripts.message, s->play->scripts.trace);
+    }
+    if (s->notice[0]) {
+        canvas over = canvas_over(s->picture);
+        screen_notice(&over, s->def->face, s->notice, s->notice_ns == 0);
     }
     return true;
 }
@@ -130,9 +140,9 @@ static bool draw(session *s, float alpha, daft_error *error)
 static void push_restart(session *s)
 {
     input_event event = {.kind = INPUT_KEY, .key = input_key_find(INPUT_RESTART), .down = true};
-    input_push(&s->play.keys, &event);
+    input_push(&s->play->keys, &event);
     event.down = false;
-    input_push(&s->play.keys, &event);
+    input_push(&s->play->keys, &event);
 }
 
 static void apply_settings(session *s)
@@ -147,7 +157,7 @@ static void open_pause(session *s)
     platform *screen = s->def->screen;
     if (screen->full_screen) s->settings.full_screen = screen->full_screen(screen, -1);
     pause_open(&s->pause);
-    input_push_release_all(&s->play.keys);
+    input_push_release_all(&s->play->keys);
     s->redraws = true;
 }
 
@@ -168,7 +178,7 @@ static void take_pause(session *s, const input_event *event)
 static bool is_pause(const session *s, const input_event *event)
 {
     const char *name = event->kind == INPUT_KEY && event->down ? input_key_name(event->key) : "";
-    return s->def->pauses && !s->play.failed && (strcmp(name, "escape") == 0 || strcmp(name, "pad start") == 0);
+    return s->def->pauses && !s->play->failed && (strcmp(name, "escape") == 0 || strcmp(name, "pad start") == 0);
 }
 
 static void handle_session_key(session *s, int key)
@@ -177,7 +187,7 @@ static void handle_session_key(session *s, int key)
     if (strcmp(name, "escape") == 0) s->left = true;
     if (strcmp(name, "f1") == 0) s->overlay = !s->overlay;
     if (strcmp(name, "f12") == 0) s->wants_shot = true;
-    if (strcmp(name, "r") == 0 && s->play.failed) s->wants_reload = true;
+    if (strcmp(name, "r") == 0 && s->play->failed) s->wants_reload = true;
 }
 
 static void take_input(session *s, const input_event *event)
@@ -188,7 +198,7 @@ static void take_input(session *s, const input_event *event)
         open_pause(s);
     } else {
         if (event->kind == INPUT_KEY && event->down) handle_session_key(s, event->key);
-        input_push(&s->play.keys, event);
+        input_push(&s->play->keys, event);
     }
 }
 
@@ -198,7 +208,7 @@ static void take_events(session *s)
     for (platform_event event; screen->poll(screen, &event);) {
         switch (event.kind) {
         case PLATFORM_CLOSE: s->closed = true; break;
-        case PLATFORM_FOCUS_LOST: input_push_release_all(&s->play.keys); break;
+        case PLATFORM_FOCUS_LOST: input_push_release_all(&s->play->keys); break;
         case PLATFORM_DROP: break;
         case PLATFORM_INPUT:
             session_scale_mouse(screen, &event.input);
@@ -218,8 +228,8 @@ static int asked(void *user)
     enum { OLD_NS = 20000000, STUCK_NS = 50000000, PICTURE_NS = 300000000, SHORT_MS = 30, LONG_MS = 1500 };
     session *s = user;
     platform *screen = s->def->screen;
-    const uint64_t now = clock_now_ns(), polled = atomic_load(&s->polled_ns), alive = atomic_load(&s->play.alive_ns);
-    const uint64_t least = !s->def->pauses ? OLD_NS : atomic_load(&s->play.rendering) ? PICTURE_NS : STUCK_NS;
+    const uint64_t now = clock_now_ns(), polled = atomic_load(&s->polled_ns), alive = atomic_load(&s->play->alive_ns);
+    const uint64_t least = !s->def->pauses ? OLD_NS : atomic_load(&s->play->rendering) ? PICTURE_NS : STUCK_NS;
     if (!screen->leave_waits || now - (polled > alive ? polled : alive) < least) return 0;
     if (!screen->leave_waits(screen)) return 0;
     atomic_store(&s->leaving, true);
@@ -240,24 +250,24 @@ static void end_early(void *user)
 static bool print_hash(session *s, daft_error *error)
 {
     if (!draw(s, 1, error)) return false;
-    if (s->play.failed) return true;
+    if (s->play->failed) return true;
     size_t size = 4 * (size_t)daft_image_width(s->picture) * (size_t)daft_image_height(s->picture);
-    printf("tick %" PRIu64 " state 0x%016" PRIx64 " frame 0x%016" PRIx64 "\n", s->play.ticks, game_hash(&s->play),
+    printf("tick %" PRIu64 " state 0x%016" PRIx64 " frame 0x%016" PRIx64 "\n", s->play->ticks, game_hash(s->play),
            daft_hash(daft_image_pixels(s->picture), size, 0));
     fflush(stdout);
-    s->hashed = s->play.ticks;
+    s->hashed = s->play->ticks;
     return true;
 }
 
 static bool take_shot(session *s, const char *path, daft_error *error)
 {
     if (!draw(s, 1, error)) return false;
-    return s->play.failed || daft_image_write(s->picture, path, error);
+    return s->play->failed || daft_image_write(s->picture, path, error);
 }
 
 static bool after_tick(session *s, daft_error *error)
 {
-    uint64_t tick = s->play.ticks;
+    uint64_t tick = s->play->ticks;
     if (s->def->hash && tick % HASH_TICKS == 0 && !print_hash(s, error)) return false;
     if (s->def->shot && s->def->shot_tick == tick) {
         s->shot_done = tick;
@@ -268,17 +278,17 @@ static bool after_tick(session *s, daft_error *error)
 
 static bool at_end(session *s, daft_error *error)
 {
-    if (s->play.failed) return true;
-    if (s->def->hash && (s->hashed != s->play.ticks || s->play.ticks == 0) && !print_hash(s, error)) return false;
+    if (s->play->failed) return true;
+    if (s->def->hash && (s->hashed != s->play->ticks || s->play->ticks == 0) && !print_hash(s, error)) return false;
     if (s->def->shot && s->def->shot_tick == 0 && !take_shot(s, s->def->shot, error)) return false;
     if (s->def->shot && s->def->shot_tick > 0 && s->shot_done == 0)
         return fail(error, DAFT_ERROR_ARGUMENT, "--shot-tick %" PRIu64 ": the game ended at tick %" PRIu64,
-                    s->def->shot_tick, s->play.ticks);
+                    s->def->shot_tick, s->play->ticks);
     if (!s->def->stats) return true;
     if (s->times.count == 0 && !draw(s, 1, error)) return false;
     s->times.memory = daft_engine_memory(s->def->engine);
-    s->times.simulation = daft_scene_sim_counters(s->play.scene);
-    return s->play.failed || stats_write(s->def->stats, daft_scene_counters(s->play.scene), &s->times, error);
+    s->times.simulation = daft_scene_sim_counters(s->play->scene);
+    return s->play->failed || stats_write(s->def->stats, daft_scene_counters(s->play->scene), &s->times, error);
 }
 
 /* Writes a picture to the current folder, named by the time. */
@@ -298,11 +308,11 @@ static void write_user_shot(session *s)
 
 static void report_script(session *s)
 {
-    if (!s->play.failed || s->reported || s->play.scripts.asked) return;
+    if (!s->play->failed || s->reported || s->play->scripts.asked) return;
     progress_end(&s->bar);
     fflush(stdout);
-    fprintf(stderr, "daft: %s\n%s%s", s->play.scripts.message, s->play.scripts.trace,
-            s->play.scripts.trace[0] ? "\n" : "");
+    fprintf(stderr, "daft: %s\n%s%s", s->play->scripts.message, s->play->scripts.trace,
+            s->play->scripts.trace[0] ? "\n" : "");
     s->reported = true;
 }
 
@@ -316,20 +326,20 @@ static uint64_t last_tick(const session *s)
 
 static bool is_over(const session *s)
 {
-    return s->left || s->closed || atomic_load(&s->leaving) || s->play.over || s->play.ticks >= last_tick(s) ||
-           (s->play.failed && s->def->screen->headless);
+    return s->left || s->closed || atomic_load(&s->leaving) || s->play->over || s->play->ticks >= last_tick(s) ||
+           (s->play->failed && s->def->screen->headless);
 }
 
 static bool run_updates(session *s, int updates, daft_error *error)
 {
     uint64_t began = clock_now_ns();
     for (int i = 0; i < updates && !is_over(s); i++) {
-        uint64_t before = s->play.ticks;
-        game_tick(&s->play);
-        if (s->play.ticks > before && !s->play.failed && !after_tick(s, error)) return false;
+        uint64_t before = s->play->ticks;
+        game_tick(s->play);
+        if (s->play->ticks > before && !s->play->failed && !after_tick(s, error)) return false;
     }
     const double ms = (double)(clock_now_ns() - began) / 1e6;
-    if (updates > 0 && !s->play.failed) s->update_ms = smooth(s->update_ms, ms), s->drawn_ms += ms;
+    if (updates > 0 && !s->play->failed) s->update_ms = smooth(s->update_ms, ms), s->drawn_ms += ms;
     return true;
 }
 
@@ -337,10 +347,45 @@ static bool run_updates(session *s, int updates, daft_error *error)
  * times a second. */
 static double target_of(const session *s)
 {
-    const double set = pause_target_ms(&s->settings), game = s->play.scripts.target_ms;
+    const double set = pause_target_ms(&s->settings), game = s->play->scripts.target_ms;
     const double player = set >= 0 && (s->paced || s->def->target_ms < 0) ? set : s->def->target_ms;
     if (s->def->screen->headless) return 0;
     return player >= 0 ? player : game >= 0 ? game : 1000.0 / 60;
+}
+
+/* What changed on the disk is what is played from here on. */
+static bool take_changes(session *s, daft_error *error)
+{
+    platform *screen = s->def->screen;
+    const uint64_t now = screen->now_ns(screen);
+    if (s->notice_ns && now > s->notice_ns) s->notice[0] = 0, s->notice_ns = 0;
+    if (!s->def->watches || !watch_changed(&s->files, now)) return true;
+    game_state *fresh = s->play == s->games ? &s->games[1] : s->games;
+    daft_error why;
+    switch (relive(s->play, fresh, &s->past, s->notice, &why)) {
+    case RELIVE_DONE:
+        s->play = fresh, s->reported = false;
+        snprintf(s->notice, sizeof s->notice, "Reloaded");
+        s->notice_ns = now + 1500000000u;
+        daft_history_destroy(s->history);
+        s->history = daft_history_create(s->def->engine, error);
+        s->play->def.history = s->history;
+        break;
+    case RELIVE_LONG:
+        if (s->play->failed)
+            s->wants_reload = true;
+        else
+            push_restart(s);
+        snprintf(s->notice, sizeof s->notice, "Reloaded, from the start: it has been played for too long");
+        s->notice_ns = now + 4000000000u;
+        break;
+    case RELIVE_FAILED:
+        fprintf(stderr, "daft: %s\n", s->notice);
+        s->notice_ns = 0;
+        break;
+    }
+    s->last_ns += screen->now_ns(screen) - now; /* the time it took is not the game's */
+    return s->history != NULL;
 }
 
 /* Between two frames. `elapsed`: since the one before. */
@@ -353,10 +398,10 @@ static void govern(session *s, double elapsed)
         const bool known = costs_load(s->def->costs, s->info->name, costs);
         governor_begin(&s->pace, target, s->governs ? s->pace.cost : known ? costs : NULL);
         s->governs = target > 0;
-    } else if (s->governs && spent > 0 && !s->play.failed) {
+    } else if (s->governs && spent > 0 && !s->play->failed) {
         governor_frame(&s->pace, spent, elapsed);
     }
-    s->play.def.governor = s->governs ? &s->pace : NULL;
+    s->play->def.governor = s->governs ? &s->pace : NULL;
     s->now.scale = s->governs ? s->def->scale * governor_rung_at(s->pace.rung)->scale : s->def->scale;
 }
 
@@ -379,7 +424,7 @@ static bool turn_paused(session *s, daft_error *error)
     if (s->redraws) {
         if (!draw(s, loop_alpha(&s->clock), error)) return false;
         canvas over = canvas_over(s->picture);
-        if (!s->play.failed) pause_draw(&s->pause, &over, s->def->face, s->info->title);
+        if (!s->play->failed) pause_draw(&s->pause, &over, s->def->face, s->info->title);
         s->redraws = false, s->drawn_ms = 0;
     }
     if (screen->wants_frame(screen) && !screen->present(screen, s->picture, error)) return false;
@@ -394,9 +439,10 @@ static bool turn(session *s, daft_error *error)
     if (s->pause.open) return turn_paused(s, error);
     if (s->wants_reload) {
         s->wants_reload = s->reported = false;
-        if (!game_reload(&s->play, error)) return false;
+        if (!game_reload(s->play, error)) return false;
     }
-    grab_mouse(s, s->play.scripts.grab && !s->play.failed);
+    if (!take_changes(s, error)) return false;
+    grab_mouse(s, s->play->scripts.grab && !s->play->failed);
     uint64_t now = screen->now_ns(screen);
     uint64_t elapsed = now - s->last_ns;
     s->last_ns = now;
@@ -410,7 +456,7 @@ static bool turn(session *s, daft_error *error)
     if (s->wants_shot) write_user_shot(s);
     s->wants_shot = false;
     if (s->def->progress && last_tick(s) != UINT64_MAX)
-        progress_show(&s->bar, (double)s->play.ticks / (double)last_tick(s));
+        progress_show(&s->bar, (double)s->play->ticks / (double)last_tick(s));
     screen->end_frame(screen);
     return true;
 }
@@ -437,17 +483,16 @@ static bool open_files(session *s, daft_error *error)
 
 static void record_saved(void *user, const char *name, const char *text)
 {
-    const session *s = user;
+    session *s = user;
     recorder_saved(s->record, name, text);
+    trail_saved(&s->past, name, text);
 }
 
 /* A replay is given what its recording was, and writes nothing. */
 static bool open_saves(session *s, daft_error *error)
 {
-    const saves_def def = {.folder = s->def->replay ? NULL : s->def->saves,
-                           .game = s->info->name,
-                           .told = s->record ? record_saved : NULL,
-                           .user = s};
+    const saves_def def = {
+        .folder = s->def->replay ? NULL : s->def->saves, .game = s->info->name, .told = record_saved, .user = s};
     s->kept = saves_open(&def, error);
     s->own = saves_open(&(saves_def){.folder = s->def->settings, .game = "DAFT"}, error);
     if (!s->own) return false;
@@ -482,13 +527,15 @@ static bool run(session *s, daft_error *error)
                      .seed = def->replay ? s->replay.seed : def->seed,
                      .replay = def->replay ? &s->replay : NULL,
                      .record = s->record,
+                     .trail = s->def->watches ? &s->past : NULL,
                      .history = s->history,
                      .saves = s->kept,
                      .seconds = def->seconds,
                      .asked = asked,
                      .heard = s->sounds.writer || s->def->speaks ? heard : NULL,
                      .user = s};
-    if (!game_open(&s->play, &play, error)) return false;
+    watch_begin(&s->files, s->def->watches && !s->info->packed ? s->info->folder : NULL);
+    if (!game_open(s->play, &play, error)) return false;
     progress_begin(&s->bar, s->info->title);
     s->last_ns = def->screen->now_ns(def->screen);
     bool good = true;
@@ -515,6 +562,7 @@ static bool leave(session *s, daft_error *error)
 session_end session_play(const session_def *def, const game_info *info, daft_error *error)
 {
     session s = {.def = def, .now = *def, .info = info};
+    s.play = &s.games[0];
     char title[160];
     snprintf(title, sizeof title, "%s - DAFT", info->title);
     def->screen->set_title(def->screen, title);
@@ -525,8 +573,8 @@ session_end session_play(const session_def *def, const game_info *info, daft_err
     good = good && run(&s, error);
     if (!leave(&s, good ? error : NULL)) good = false;
     if (s.governs && s.pace.changes) costs_save(def->costs, info->name, s.pace.cost);
-    bool failed = s.play.failed && (def->screen->headless || s.play.over);
-    if (s.play.scene || s.play.scripts.L) game_close(&s.play);
+    bool failed = s.play->failed && (def->screen->headless || s.play->over);
+    if (s.play->scene || s.play->scripts.L) game_close(s.play);
     daft_history_destroy(s.history);
     daft_engine_set_files(def->engine, NULL, NULL);
     source_close(&own);
@@ -536,6 +584,7 @@ session_end session_play(const session_def *def, const game_info *info, daft_err
     recording_free(&s.replay);
     daft_image_destroy(s.picture);
     frame_times_free(&s.times);
+    trail_free(&s.past);
     if (!good || failed) return SESSION_FAILED;
     return s.closed ? SESSION_CLOSED : s.left ? SESSION_LEFT : SESSION_DONE;
 }

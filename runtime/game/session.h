@@ -38,6 +38,7 @@ typedef struct session_def {
     double seconds;              /* one call into the game may take; 0: WATCHDOG_SECONDS */
     bool stays;                  /* the window stays after the session: for a menu */
     bool pauses;                 /* Esc opens the pause menu; else it leaves */
+    bool watches;                /* files of the game that are saved take effect while it runs */
     const char *settings;        /* folder of the player's settings, or NULL */
 } session_def;
 

@@ -4,6 +4,7 @@
 #include "common/util.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -34,6 +35,17 @@ void screen_error(const canvas *target, font *face, const char *game, const char
     style.size = 24, style.color = WHITE;
     canvas_rect(target, margin, CANVAS_HEIGHT - 66, inner, 1, (canvas_color){255, 255, 255, 60});
     text_draw(target, face, "R  reload          Esc  leave", margin, CANVAS_HEIGHT - 52, &style);
+}
+
+void screen_notice(const canvas *target, font *face, const char *text, bool wrong)
+{
+    const float width = canvas_hud_width(target), inner = width - 96;
+    const text_style style = {22, WHITE, TEXT_LEFT, false};
+    const float height = fminf(text_draw_wrapped(NULL, face, text, 0, 0, inner, &style), CANVAS_HEIGHT - 40) + 24;
+    const float top = CANVAS_HEIGHT - height;
+    canvas_rect(target, 0, top, width, height,
+                wrong ? (canvas_color){92, 18, 14, 230} : (canvas_color){10, 14, 24, 190});
+    text_draw_wrapped(target, face, text, 48, top + 12, inner, &style);
 }
 
 static void overlay_line(const canvas *target, font *face, float *y, const char *label, const char *value)

@@ -7,6 +7,9 @@
 /* Darkens the picture and draws title, message, stack trace and the keys that help. */
 void screen_error(const canvas *target, font *face, const char *game, const char *message, const char *trace);
 
+/* A line or some over the lower edge. `wrong`: of a mistake. */
+void screen_notice(const canvas *target, font *face, const char *text, bool wrong);
+
 typedef struct overlay_figures {
     double frames_per_second, frame_ms, update_ms;
     uint64_t dropped; /* updates dropped since the start */

@@ -16,13 +16,14 @@
 
 #include <cmocka.h>
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* ---- the platform: what happens in which frame ---- */
 
 typedef struct happening {
     uint64_t frame;
-    const char *key; /* "+left", "-left", "focus", "close", "click" at x, y, or "size" x by y */
+    const char *key; /* "+left", "-left", "focus", "close", "click" at x, y, "size" x by y, or "write " and a script */
     float x, y;
 } happening;
 
@@ -39,6 +40,19 @@ typedef struct script_platform {
     char title[200];
 } script_platform;
 
+static char folder[64], recorded[96]; /* of games that tests write */
+
+/* The game in folder/changing. A file system's times may be coarse: each has another size. */
+static void write_game(const char *text)
+{
+    static int times;
+    char path[96], padded[2048];
+    daft_error error;
+    snprintf(path, sizeof path, "%s/changing/main.lua", folder);
+    const int size = snprintf(padded, sizeof padded, "%s\n--%*s\n", text, 1 + times++ % 50, "");
+    if (!daft_write_file(path, padded, (size_t)size, &error)) fail_msg("%s", error.message);
+}
+
 static void close_script(platform *self) { (void)self; }
 
 static bool poll_script(platform *self, platform_event *out)
@@ -52,6 +66,10 @@ static bool poll_script(platform *self, platform_event *out)
     }
     if (p->next == p->count || p->script[p->next].frame > p->frame) return false;
     const happening *now = &p->script[p->next++];
+    if (strncmp(now->key, "write ", 6) == 0) {
+        write_game(now->key + 6);
+        return poll_script(self, out);
+    }
     if (strcmp(now->key, "close") == 0) {
         out->kind = PLATFORM_CLOSE;
     } else if (strcmp(now->key, "focus") == 0) {
@@ -206,8 +224,6 @@ static void count_lines(const char *path, const char *wanted, int *count)
 
 /* ---- the pause menu ---- */
 
-static char folder[64], recorded[96];
-
 static void make_folder(void)
 {
     snprintf(folder, sizeof folder, "/tmp/daft-pause-XXXXXX");
@@ -337,6 +353,147 @@ static void starting_again_is_replayed(void **unused)
     snprintf(with, sizeof with, "%.18s", strstr(output, "state ") + 6);
     assert_status(run_daft(output, "play tests/games/sample --headless --hash --ticks %d", ticks), 0, output);
     assert_true(strstr(output, with) == NULL); /* it would be elsewhere without */
+    drop_folder();
+}
+
+/* ---- live reload ---- */
+
+/* The position after some ticks of "left", and what it was when the game began. */
+#define WALK(speed)                                                                                                    \
+    "local x, begun = 0, daft.load_saved('begun') or 0\n"                                                              \
+    "daft.save('begun', begun + 1)\n"                                                                                  \
+    "function daft.update()\n"                                                                                         \
+    "  if daft.input.down('left') then x = x + " speed " end\n"                                                        \
+    "  daft.save('x', x .. ' after ' .. daft.tick() .. ' begun ' .. begun)\n"                                          \
+    "end\n"
+
+static void begin_changing(void)
+{
+    char path[96];
+    make_folder();
+    snprintf(path, sizeof path, "%s/changing", folder);
+    assert_int_equal(mkdir(path, 0777), 0);
+    snprintf(path, sizeof path, "%s/kept", folder);
+    assert_int_equal(mkdir(path, 0777), 0);
+    write_game(WALK("1"));
+}
+
+static session_end play_changing(void)
+{
+    static char kept[96];
+    char path[96];
+    game_info info;
+    daft_error error = {0};
+    snprintf(kept, sizeof kept, "%s/kept", folder);
+    snprintf(path, sizeof path, "%s/changing", folder);
+    s.def.watches = true, s.def.record = recorded, s.def.saves = kept;
+    assert_true(home_find_game(&s.where, path, &info, &error));
+    session_end end = session_play(&s.def, &info, &error);
+    if (end == SESSION_FAILED) fail_msg("%s", error.message);
+    tear_down();
+    return end;
+}
+
+static void saved_x(char out[80])
+{
+    char path[96];
+    size_t size;
+    daft_error error;
+    snprintf(path, sizeof path, "%s/kept/changing.x.save", folder);
+    char *text = daft_read_file(NULL, path, &size, &error);
+    if (!text) fail_msg("%s", error.message);
+    snprintf(out, 80, "%s", strchr(text, '\n') + 1);
+    free(text);
+}
+
+/* New code goes on where the old one stood, as if it had been there from the start; what it keeps, it was given once.
+ */
+static void saved_scripts_take_effect_while_the_game_runs(void **unused)
+{
+    (void)unused;
+    char now[80], wanted[80];
+    begin_changing();
+    const happening script[] = {{5, "+left", 0, 0},
+                                {15, "-left", 0, 0},
+                                {40, "write " WALK("100"), 0, 0},
+                                {60, "+left", 0, 0},
+                                {100, "close", 0, 0}};
+    PLAY(script);
+    assert_int_equal(play_changing(), SESSION_CLOSED);
+    saved_x(now);
+    int x, ticks, begun;
+    assert_int_equal(sscanf(now, "\"%d after %d begun %d", &x, &ticks, &begun), 3);
+    assert_int_equal(x, 100 * (10 + ticks + 1 - 59)); /* the key of frame 60 is there in tick 59 */
+    assert_in_range(ticks, 97, 101);
+    assert_int_equal(begun, 0);
+    /* The recording, played by the new code alone, ends the same. */
+    static char output[OUTPUT_SIZE];
+    char line[256];
+    snprintf(line, sizeof line, "for f in %s/kept/*; do mv $f $f.old; done", folder);
+    assert_int_equal(system(line), 0);
+    write_game(
+        "local all = {}\n" WALK("100") "local update = daft.update\n"
+                                       "function daft.update() update() all = daft.load_saved('x') print(all) end\n");
+    assert_status(run_daft(output, "play %s/changing --headless --replay %s", folder, recorded), 0, output);
+    snprintf(wanted, sizeof wanted, "%d after %d begun 0", x, ticks);
+    assert_says(output, wanted);
+    drop_folder();
+}
+
+static void wrong_scripts_leave_the_old_ones_running(void **unused)
+{
+    (void)unused;
+    char now[80];
+    int x, ticks;
+    begin_changing();
+    const happening script[] = {{5, "+left", 0, 0},
+                                {20, "write function daft.update() this is wrong end", 0, 0},
+                                {40, "write function daft.update() local none = nil; none.x = 1 end", 0, 0},
+                                {60, "write " WALK("10"), 0, 0},
+                                {90, "close", 0, 0}};
+    PLAY(script);
+    assert_int_equal(play_changing(), SESSION_CLOSED);
+    saved_x(now);
+    assert_int_equal(sscanf(now, "\"%d after %d", &x, &ticks), 2);
+    assert_int_equal(x, 10 * (ticks + 1 - 4));
+    assert_in_range(ticks, 87, 91);
+    drop_folder();
+}
+
+/* What was before the game began again is not done again. */
+static void a_game_that_began_again_is_relived_from_there(void **unused)
+{
+    (void)unused;
+    char now[80];
+    int x, ticks, begun;
+    begin_changing();
+    /* Held all the time; again from frame 33 on. */
+    const happening script[] = {
+        {5, "+left", 0, 0}, {30, "+f9", 0, 0}, {60, "write " WALK("100"), 0, 0}, {90, "close", 0, 0}};
+    write_game(WALK("1") "function daft.keypressed(key) if key == 'f9' then daft.restart() end end\n");
+    PLAY(script);
+    assert_int_equal(play_changing(), SESSION_CLOSED);
+    saved_x(now);
+    assert_int_equal(sscanf(now, "\"%d after %d begun %d", &x, &ticks, &begun), 3);
+    assert_int_equal(x, 100 * (ticks + 1));
+    assert_in_range(ticks, 57, 62);
+    assert_int_equal(begun, 1);
+    drop_folder();
+}
+
+/* A game that has stopped with an error goes on when its script is right. */
+static void a_stopped_game_goes_on_when_it_is_right(void **unused)
+{
+    (void)unused;
+    char now[80];
+    begin_changing();
+    write_game(WALK("1") "local update = daft.update\nfunction daft.update() if daft.tick() == 10 then nothing.x = 1 "
+                         "end update() end\n");
+    const happening script[] = {{40, "write " WALK("1"), 0, 0}, {90, "close", 0, 0}};
+    PLAY(script);
+    assert_int_equal(play_changing(), SESSION_CLOSED);
+    saved_x(now);
+    assert_non_null(strstr(now, "0 after 5")); /* ten ticks, and those from frame 43 on */
     drop_folder();
 }
 
@@ -508,6 +665,10 @@ int main(void)
                                        cmocka_unit_test(the_pause_menu_shows_itself_and_goes_by_mouse),
                                        cmocka_unit_test(settings_last),
                                        cmocka_unit_test(starting_again_is_replayed),
+                                       cmocka_unit_test(saved_scripts_take_effect_while_the_game_runs),
+                                       cmocka_unit_test(wrong_scripts_leave_the_old_ones_running),
+                                       cmocka_unit_test(a_game_that_began_again_is_relived_from_there),
+                                       cmocka_unit_test(a_stopped_game_goes_on_when_it_is_right),
                                        cmocka_unit_test(the_picture_follows_the_window),
                                        cmocka_unit_test(a_script_error_is_shown_and_r_reloads),
                                        cmocka_unit_test(pictures_of_soft_light_get_better),

@@ -1,0 +1,126 @@
+/* The trail of what was done, and doing it again. */
+#include "game/relive.h"
+
+#include "common/util.h"
+#include "files/saves.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- the trail ---- */
+
+static bool grow(void **items, size_t *capacity, size_t count, size_t size)
+{
+    if (count < *capacity) return true;
+    const size_t more = *capacity ? 2 * *capacity : 256;
+    void *grown = realloc(*items, more * size);
+    if (!grown) return false;
+    *items = grown, *capacity = more;
+    return true;
+}
+
+void trail_add(trail *self, uint64_t tick, const input_event *events, size_t count)
+{
+    for (size_t i = 0; i < count && !self->lost; i++) {
+        void *items = self->made.items;
+        self->lost = self->made.count == TRAIL_EVENTS ||
+                     !grow(&items, &self->capacity, self->made.count, sizeof *self->made.items);
+        self->made.items = items;
+        if (!self->lost) self->made.items[self->made.count++] = (recording_item){tick, events[i]};
+    }
+}
+
+void trail_saved(trail *self, const char *name, const char *text)
+{
+    void *items = self->made.saved;
+    const size_t length = strlen(name) + 1, more = text ? strlen(text) + 1 : 0;
+    char *copy = malloc(length + more);
+    if (!copy || !grow(&items, &self->saved_capacity, self->made.saved_count, sizeof *self->made.saved)) {
+        free(copy);
+        self->lost = true;
+        return;
+    }
+    memcpy(copy, name, length);
+    if (text) memcpy(copy + length, text, more);
+    self->made.saved = items;
+    self->made.saved[self->made.saved_count++] = (recording_save){copy, text ? copy + length : NULL};
+}
+
+void trail_restart(trail *self, uint64_t tick, const input *keys, const saves *kept)
+{
+    daft_error error;
+    trail_free(self);
+    self->first = tick, self->keys = *keys, self->kept = saves_copy(kept, &error);
+    self->lost = !self->kept;
+}
+
+void trail_free(trail *self)
+{
+    recording_free(&self->made);
+    saves_close(self->kept);
+    *self = (trail){0};
+}
+
+/* ---- again ---- */
+
+/* What it saves on the way it has saved before. */
+static saves *open_saves(const game_state *old, const trail *from, daft_error *error)
+{
+    saves *s =
+        from->kept ? saves_copy(from->kept, error) : saves_open(&(saves_def){.game = old->def.info->name}, error);
+    for (size_t i = 0; s && i < from->made.saved_count; i++) {
+        if (saves_expect(s, from->made.saved[i].name, from->made.saved[i].text, error)) continue;
+        saves_close(s);
+        return NULL;
+    }
+    return s;
+}
+
+/* False: too long. */
+static bool catch_up(game_state *fresh, uint64_t ticks)
+{
+    const uint64_t began = clock_now_ns();
+    while (fresh->ticks < ticks && !fresh->failed) {
+        if (clock_now_ns() - began > (uint64_t)TRAIL_SECONDS * 1000000000u) return false;
+        game_tick(fresh);
+    }
+    return true;
+}
+
+/* The rest of the old one's life is the new one's. */
+static void take_over(game_state *old, game_state *fresh)
+{
+    memcpy(fresh->keys.queue, old->keys.queue, sizeof fresh->keys.queue);
+    fresh->keys.queued = old->keys.queued;
+    fresh->def = old->def;
+    fresh->scripts.def.saves = old->def.saves;
+    fresh->scripts.replaying = old->scripts.replaying;
+}
+
+relive_end relive(game_state *old, game_state *fresh, trail *from, char message[HOST_MESSAGE], daft_error *error)
+{
+    if (from->lost) return RELIVE_LONG;
+    saves *kept = open_saves(old, from, error);
+    game_def def = old->def;
+    from->made.next = 0, from->made.end = old->ticks;
+    def.replay = &from->made, def.record = NULL, def.trail = NULL, def.heard = NULL, def.saves = kept;
+    bool good = kept && game_open(fresh, &def, error);
+    const bool opened = good;
+    if (good) fresh->ticks = from->first, fresh->keys = from->keys;
+    bool in_time = good && catch_up(fresh, old->ticks);
+    if (good && in_time && !fresh->failed) {
+        take_over(old, fresh);
+        game_close(old);
+    } else if (opened) {
+        snprintf(message, HOST_MESSAGE, "%s", fresh->scripts.message);
+        good = in_time && !fresh->failed;
+        game_close(fresh);
+    } else {
+        char text[1100];
+        snprintf(message, HOST_MESSAGE, "%.900s", daft_error_text(error, text, sizeof text));
+    }
+    saves_close(kept);
+    daft_engine_set_files(def.engine, def.source->files, error); /* the one that was closed let go of them */
+    return good ? RELIVE_DONE : opened && !in_time ? RELIVE_LONG : RELIVE_FAILED;
+}

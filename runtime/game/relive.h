@@ -1,0 +1,36 @@
+/* A changed game takes the place of the one that runs: what the player did since the start is done again with the new
+ * code, as fast as it goes, so that the game stands where it stood. */
+#ifndef RUNTIME_GAME_RELIVE_H
+#define RUNTIME_GAME_RELIVE_H
+
+#include "game/game.h"
+
+enum { TRAIL_EVENTS = 1 << 20, TRAIL_SECONDS = 2 };
+
+/* What happened since the game last began: a recording in memory. */
+typedef struct trail {
+    recording made; /* `end` is not kept up */
+    uint64_t first; /* the tick before which it began, */
+    input keys;     /* what was held then, */
+    saves *kept;    /* and what the game had kept; NULL: nothing is known */
+    size_t capacity, saved_capacity;
+    bool lost; /* there was too much of it, or no memory */
+} trail;
+
+void trail_add(trail *self, uint64_t tick, const input_event *events, size_t count);
+/* What the game was given of what it had kept. */
+void trail_saved(trail *self, const char *name, const char *text);
+/* The game begins again before this tick. */
+void trail_restart(trail *self, uint64_t tick, const input *keys, const saves *kept);
+void trail_free(trail *self);
+
+typedef enum relive_end {
+    RELIVE_DONE,   /* `fresh` stands where `old` does, and `old` is closed */
+    RELIVE_FAILED, /* the new code fails: `message` says how, and `old` goes on */
+    RELIVE_LONG    /* it takes too long: `old` goes on */
+} relive_end;
+
+/* `fresh` is empty, or left by an earlier call. */
+relive_end relive(game_state *old, game_state *fresh, trail *from, char message[HOST_MESSAGE], daft_error *error);
+
+#endif
