@@ -4,6 +4,7 @@
 #include "cli/cli.h"
 #include "common/util.h"
 #include "game/loop.h"
+#include "video/soundtrack.h"
 #include "video/film_game.h"
 #include "video/film_scene.h"
 #include "video/video.h"
@@ -95,16 +96,67 @@ static const char *choose_replay(const video_options *o, const game_source *sour
     return daft_files_find(source->files, "demo.rec", demo, PATH_SIZE + 16) ? demo : NULL;
 }
 
+/* ---- sound ---- */
+
+typedef struct listener {
+    soundtrack *to;
+    double from; /* seconds */
+    uint64_t tick;
+    bool good;
+    daft_error *error;
+} listener;
+
+static void hear(void *user, const int16_t *frames)
+{
+    listener *l = user;
+    if (l->good && (double)l->tick++ >= floor(l->from * LOOP_RATE + 1e-6))
+        l->good = soundtrack_add(l->to, frames, SOUND_TICK, l->error);
+}
+
+/* The whole game once more, without pictures, which takes little. What fails here fails again where it is drawn. */
+static bool play_for_sound(const video_def *def, const game_def *play, const char *replay, bool inside, listener *l,
+                           daft_error *error)
+{
+    film_game game;
+    game_def heard = *play;
+    heard.heard = hear, heard.user = l;
+    if (!film_game_open(&game, &heard, replay, inside, error)) return false;
+    const double last = !isnan(def->to) ? def->to : replay ? (double)game.replay.end / LOOP_RATE : GAME_SECONDS;
+    while (l->good && !game.play.over && (double)game.play.ticks < last * LOOP_RATE && game_tick(&game.play)) {
+        if (game.has_replay && game.play.ticks >= game.replay.end) break;
+    }
+    film_game_close(&game);
+    return l->good && soundtrack_finish(l->to, error);
+}
+
+/* NULL: the film is silent, and why is said. */
+static soundtrack *hear_game(const video_def *def, const game_def *play, const char *replay, bool inside)
+{
+    daft_error error = {0};
+    if (def->format != VIDEO_MP4 && def->format != VIDEO_WEBM) return NULL;
+    listener l = {.to = soundtrack_open(def->format, &error), .from = def->from, .good = true, .error = &error};
+    if (l.to && play_for_sound(def, play, replay, inside, &l, &error)) return l.to;
+    if (!l.to) fprintf(stderr, "daft: the film is silent: %s\n", error.message);
+    soundtrack_close(l.to);
+    return NULL;
+}
+
 static bool film_found(const video_options *o, video_def *def, const game_def *play, daft_error *error)
 {
     film_game game;
     char demo[PATH_SIZE + 16];
     const char *replay = choose_replay(o, play->source, demo);
     def->content = hash_settings(o, replay, play->info->folder);
-    if (!film_game_open(&game, play, replay, replay == demo, error)) return false;
+    soundtrack *heard = hear_game(def, play, replay, replay == demo);
+    def->sound = heard;
+    if (!film_game_open(&game, play, replay, replay == demo, error)) {
+        soundtrack_close(heard);
+        return false;
+    }
     if (isnan(def->to)) def->to = replay ? (double)game.replay.end / LOOP_RATE : GAME_SECONDS;
     bool good = write_film(def, &game.source, error);
     film_game_close(&game);
+    soundtrack_close(heard);
     return good;
 }
 

@@ -1,5 +1,5 @@
 /* video: films of scenes and games: MP4, WebM, GIF, numbered PNGs, or raw frames on standard output.
- * Public headers: video.h source.h film_game.h film_scene.h
+ * Public headers: video.h source.h soundtrack.h film_game.h film_scene.h
  *
  * A film is made in clips of two seconds. Each clip starts with a key frame and is encoded by an encoder of its own, so
  * its bytes depend on its frames alone: not on threads, nor on whether the film was made in one go. Finished clips lie
@@ -14,6 +14,8 @@
 
 typedef enum video_format { VIDEO_MP4, VIDEO_WEBM, VIDEO_GIF, VIDEO_PNG, VIDEO_RAW } video_format;
 
+typedef struct soundtrack soundtrack;
+
 typedef struct video_def {
     const char *out; /* FILE.mp4, .webm, .gif; FILE%05d.png; - for raw RGBA frames on standard output */
     video_format format;
@@ -24,8 +26,9 @@ typedef struct video_def {
     int blur;         /* pictures that make one frame, over half of its time; 1: no motion blur */
     uint64_t content; /* hash of what is filmed: clips of another are not taken over */
     daft_engine *engine;
-    bool progress; /* a bar on stderr */
-    many *all;     /* the processes that make it together, each with the same settings; NULL: this one alone */
+    const soundtrack *sound; /* finished, of the time between `from` and `to` (soundtrack.h); NULL: silence */
+    bool progress;           /* a bar on stderr */
+    many *all; /* the processes that make it together, each with the same settings; NULL: this one alone */
 } video_def;
 
 /* The format by the end of the name. False with a message that lists what there is. */

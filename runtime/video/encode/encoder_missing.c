@@ -2,6 +2,7 @@
 #include "video/encode/encoder.h"
 
 #include "common/util.h"
+#include "video/soundtrack.h"
 
 static bool missing(daft_error *error)
 {
@@ -51,3 +52,24 @@ bool muxer_commit(muxer *self, daft_error *error)
 }
 
 void muxer_abandon(muxer *self) { (void)self; }
+
+soundtrack *soundtrack_open(video_format format, daft_error *error)
+{
+    (void)format;
+    missing(error);
+    return NULL;
+}
+
+bool soundtrack_add(soundtrack *self, const int16_t *frames, uint32_t count, daft_error *error)
+{
+    (void)self, (void)frames, (void)count;
+    return missing(error);
+}
+
+bool soundtrack_finish(soundtrack *self, daft_error *error)
+{
+    (void)self;
+    return missing(error);
+}
+
+void soundtrack_close(soundtrack *self) { (void)self; }

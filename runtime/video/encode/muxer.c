@@ -3,6 +3,7 @@
 
 #include "common/util.h"
 #include "video/encode/ffmpeg.h"
+#include "video/encode/track.h"
 
 #include <libavformat/avformat.h>
 
@@ -14,8 +15,10 @@ struct muxer {
     AVFormatContext *format;
     AVPacket *packet; /* reused */
     daft_writer *writer;
-    int64_t position, size; /* of the file, bytes */
-    AVRational frame;       /* duration of a frame, seconds */
+    int64_t position, size;  /* of the file, bytes */
+    AVRational frame;        /* duration of a frame, seconds */
+    const soundtrack *sound; /* or NULL */
+    size_t heard;            /* bytes of its packets that are written */
 };
 
 /* libavformat goes back to fill in sizes. */
@@ -46,7 +49,7 @@ static int open_stream(muxer *self, const AVCodecContext *codec)
     if (!stream) return AVERROR(ENOMEM);
     int code = avcodec_parameters_from_context(stream->codecpar, codec);
     stream->time_base = codec->time_base;
-    stream->avg_frame_rate = stream->r_frame_rate = codec->framerate;
+    if (codec->codec_type == AVMEDIA_TYPE_VIDEO) stream->avg_frame_rate = stream->r_frame_rate = codec->framerate;
     return code;
 }
 
@@ -68,6 +71,8 @@ static int open_format(muxer *self, const video_def *def, const AVCodecContext *
         return AVERROR(ENOMEM);
     }
     code = open_stream(self, codec);
+    if (code >= 0 && def->sound) code = open_stream(self, def->sound->codec);
+    self->sound = def->sound;
     if (code >= 0) code = avformat_write_header(self->format, NULL);
     return code;
 }
@@ -89,17 +94,35 @@ muxer *muxer_open(const video_def *def, daft_error *error)
     return NULL;
 }
 
-static int write_packet(muxer *self, const packet *head, const uint8_t *bytes, int64_t start)
+/* `length`: of a packet, in `unit` seconds. */
+static int write_packet(muxer *self, int stream, const packet *head, const uint8_t *bytes, int64_t start,
+                        int64_t length, AVRational unit)
 {
     int code = av_new_packet(self->packet, (int)head->size);
     if (code < 0) return code;
     memcpy(self->packet->data, bytes, head->size);
+    self->packet->stream_index = stream;
     self->packet->pts = start + head->shown;
     self->packet->dts = start + head->decoded;
-    self->packet->duration = 1;
+    self->packet->duration = length;
     if (head->key) self->packet->flags |= AV_PKT_FLAG_KEY;
-    av_packet_rescale_ts(self->packet, self->frame, self->format->streams[0]->time_base);
+    av_packet_rescale_ts(self->packet, unit, self->format->streams[stream]->time_base);
     return av_interleaved_write_frame(self->format, self->packet);
+}
+
+/* The sound that begins before a frame; before one past all others, all of it. */
+static int write_sound(muxer *self, int64_t frame)
+{
+    int code = 0;
+    packet head;
+    for (size_t at = self->sound ? self->heard : 0; code >= 0 && self->sound;) {
+        const AVRational unit = self->sound->codec->time_base;
+        const uint8_t *bytes = packets_next(&self->sound->packets, &at, &head);
+        if (!bytes || av_compare_ts(head.shown, unit, frame, self->frame) >= 0) break;
+        code = write_packet(self, 1, &head, bytes, 0, self->sound->codec->frame_size, unit);
+        self->heard = at;
+    }
+    return code;
 }
 
 bool muxer_add(muxer *self, const packet_list *clip, uint64_t start, daft_error *error)
@@ -107,7 +130,8 @@ bool muxer_add(muxer *self, const packet_list *clip, uint64_t start, daft_error 
     packet head;
     size_t at = 0;
     for (const uint8_t *bytes; (bytes = packets_next(clip, &at, &head));) {
-        int code = write_packet(self, &head, bytes, (int64_t)start);
+        int code = write_sound(self, (int64_t)start + head.decoded);
+        if (code >= 0) code = write_packet(self, 0, &head, bytes, (int64_t)start, 1, self->frame);
         if (code < 0) return ffmpeg_fail(error, "writing the video", code);
     }
     return true;
@@ -127,7 +151,8 @@ static void drop(muxer *self)
 
 bool muxer_commit(muxer *self, daft_error *error)
 {
-    int code = av_write_trailer(self->format);
+    int code = write_sound(self, INT32_MAX);
+    if (code >= 0) code = av_write_trailer(self->format);
     avio_flush(self->format->pb);
     if (code < 0) {
         muxer_abandon(self);

@@ -96,11 +96,41 @@ static void a_player_sees_every_frame(void **unused)
     }
     int status = run_daft(output, "video marble -o %s/count.mp4 --fps 30 --from 1 --to 4.5 " SMALL, folder);
     assert_status(status, 0, output);
-    assert_int_equal(shell("test \"$(ffprobe -v error -count_frames -show_entries "
+    assert_int_equal(shell("test \"$(ffprobe -v error -select_streams v -count_frames -show_entries "
                            "stream=nb_read_frames,width,height,r_frame_rate -of csv=p=0 %s/count.mp4)\" = "
                            "160,90,30/1,105",
                            folder),
                      0);
+}
+
+/* Games sound, in MP4 and WebM; as long as the picture, from where it begins. Scenes are silent. */
+static void films_of_games_sound(void **unused)
+{
+    (void)unused;
+    need_ffmpeg();
+    static const struct {
+        const char *name, *what, *codec;
+    } films[] = {
+        {"s.mp4", "marble", "mp4a"}, {"s.webm", "marble", "A_OPUS"}, {"q.mp4", "assets/scenes/hello.scene", NULL}};
+    for (size_t i = 0; i < sizeof films / sizeof films[0]; i++) {
+        char path[128];
+        size_t size;
+        daft_error error;
+        snprintf(path, sizeof path, "%s/%s", folder, films[i].name);
+        int status = run_daft(output, "video %s -o %s --from 1 --to 3 " SMALL, films[i].what, path);
+        assert_status(status, 0, output);
+        char *bytes = daft_read_file(NULL, path, &size, &error);
+        assert_non_null(bytes);
+        const char *codec = films[i].codec ? films[i].codec : "mp4a";
+        const bool silent = strstr(output, "the film is silent") != NULL; /* an FFmpeg without that encoder */
+        assert_int_equal(memmem(bytes, size, codec, strlen(codec)) != NULL, films[i].codec != NULL && !silent);
+        free(bytes);
+        if (!films[i].codec || silent || shell("command -v ffprobe >/dev/null") != 0) continue;
+        assert_int_equal(shell("ffprobe -v error -select_streams a -show_entries packet=pts_time -of csv=p=0 %s | "
+                               "awk -F, '{ last = $1 } END { exit !(NR > 80 && last > 1.9 && last < 2.05) }'",
+                               path),
+                         0);
+    }
 }
 
 static void threads_do_not_change_the_film(void **unused)
@@ -276,6 +306,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_format_holds_its_frames),
         cmocka_unit_test(a_player_sees_every_frame),
+        cmocka_unit_test(films_of_games_sound),
         cmocka_unit_test(threads_do_not_change_the_film),
         cmocka_unit_test(a_killed_film_goes_on),
         cmocka_unit_test(pictures_are_numbered_and_taken_over),
