@@ -11,7 +11,7 @@ static const double SCALE = 2; /* font units in a skeleton's unit: 2000 to the e
 static const int ASCENDER = 1800, DESCENDER = -500;
 static const double DIGIT_ADVANCE = 590; /* all digits alike, so that clocks and scores do not shake */
 
-enum { MAX_FILE = 1 << 19, MAX_GLYPHS = 256, TABLES = 10 };
+enum { MAX_FILE = 1 << 19, MAX_GLYPHS = 512, TABLES = 10 };
 
 /* A growing table; big-endian. */
 typedef struct table {
@@ -36,7 +36,16 @@ typedef struct metrics {
     int x0, y0, x1, y1;
 } metrics;
 
+/* A character of the font: a glyph, perhaps of another character, and a mark. */
+typedef struct character {
+    uint32_t code;
+    const glyph *base;
+    const glyph_mark *mark;
+} character;
+
 typedef struct font {
+    character characters[MAX_GLYPHS]; /* codes rise */
+    int character_count;
     table tables[TABLES];
     metrics glyphs[MAX_GLYPHS]; /* 0 is .notdef */
     int count, max_points, max_contours;
@@ -135,15 +144,33 @@ static void widen(font *f, const metrics *m)
     if (m->advance > f->box.advance) f->box.advance = m->advance;
 }
 
-static bool add_glyph(font *f, const glyph *g)
+/* Puts the mark over or under the middle of the base; over tall letters it stands higher. */
+static bool add_mark(outline *o, const glyph_mark *added)
+{
+    outline above;
+    double low, high, top = 0;
+    if (!stroke_skeleton(added->skeleton, PEN, &above)) return false;
+    if (o->count + above.count > MAX_POINTS || o->contours + above.contours > MAX_CONTOURS) return false;
+    ink_box(o, &low, &high);
+    for (int i = 0; i < o->count; i++)
+        if (o->y[i] > top) top = o->y[i];
+    const double lift = added->below || top < 500 ? 0 : top - PEN - 435;
+    for (int i = 0; i < above.contours; i++) o->last[o->contours++] = o->count + above.last[i];
+    for (int i = 0; i < above.count; i++, o->count++)
+        o->x[o->count] = above.x[i] + (low + high) / 2, o->y[o->count] = above.y[i] + lift,
+        o->on[o->count] = above.on[i];
+    return true;
+}
+
+static bool add_glyph(font *f, const character *c)
 {
     outline o;
-    if (!stroke_skeleton(g->skeleton, PEN, &o)) {
-        fprintf(stderr, "glyph U+%04X: bad skeleton\n", (unsigned)g->code);
+    if (!stroke_skeleton(c->base->skeleton, PEN, &o) || (c->mark && !add_mark(&o, c->mark))) {
+        fprintf(stderr, "glyph U+%04X: bad skeleton\n", (unsigned)c->code);
         return false;
     }
     metrics *m = &f->glyphs[f->count++];
-    *m = place(g, &o);
+    *m = place(c->base, &o);
     widen(f, m);
     put32(&f->tables[LOCA], (uint32_t)f->tables[GLYF].size);
     put_outline(&f->tables[GLYF], &o, m);
@@ -153,17 +180,45 @@ static bool add_glyph(font *f, const glyph *g)
     return true;
 }
 
+static const glyph *find_base(uint32_t code)
+{
+    for (int i = 0; i < font_glyph_count; i++)
+        if (font_glyphs[i].code == code) return &font_glyphs[i];
+    return NULL;
+}
+
+static int by_code(const void *a, const void *b)
+{
+    const uint32_t x = ((const character *)a)->code, y = ((const character *)b)->code;
+    return x < y ? -1 : x > y;
+}
+
+static bool collect_characters(font *f)
+{
+    if (font_glyph_count + font_composed_count >= MAX_GLYPHS) return false;
+    for (int i = 0; i < font_glyph_count; i++)
+        f->characters[f->character_count++] = (character){font_glyphs[i].code, &font_glyphs[i], NULL};
+    for (int i = 0; i < font_composed_count; i++) {
+        const composed *c = &font_composed[i];
+        f->characters[f->character_count++] =
+            (character){c->code, find_base(c->base), c->mark ? &font_marks[c->mark] : NULL};
+    }
+    qsort(f->characters, (size_t)f->character_count, sizeof(character), by_code);
+    for (int i = 0; i < f->character_count; i++) {
+        const character *c = &f->characters[i];
+        if (c->base && (i == 0 || c->code != c[-1].code)) continue;
+        fprintf(stderr, "glyph U+%04X: twice, or without its base\n", (unsigned)c->code);
+        return false;
+    }
+    return true;
+}
+
 static bool add_glyphs(font *f)
 {
     static const glyph missing = {0, 60, 60, "M 0 0 L 0 610 L 360 610 L 360 0 Z"};
-    if (!add_glyph(f, &missing)) return false;
-    for (int i = 0; i < font_glyph_count; i++) {
-        if (i > 0 && font_glyphs[i].code <= font_glyphs[i - 1].code) {
-            fprintf(stderr, "glyph U+%04X: codes must rise\n", (unsigned)font_glyphs[i].code);
-            return false;
-        }
-        if (!add_glyph(f, &font_glyphs[i])) return false;
-    }
+    if (!collect_characters(f) || !add_glyph(f, &(character){0, &missing, NULL})) return false;
+    for (int i = 0; i < f->character_count; i++)
+        if (!add_glyph(f, &f->characters[i])) return false;
     put32(&f->tables[LOCA], (uint32_t)f->tables[GLYF].size);
     return true;
 }
@@ -171,31 +226,33 @@ static bool add_glyphs(font *f)
 /* ---- the small tables ---- */
 
 /* Runs of codes that follow each other, each with its glyphs in order. Returns how many; ends[i] is the last index. */
-static int find_runs(int *starts, int *ends)
+static int find_runs(const font *f, int *starts, int *ends)
 {
     int runs = 0;
-    for (int i = 0; i < font_glyph_count; i++) {
-        bool follows = i > 0 && font_glyphs[i].code == font_glyphs[i - 1].code + 1;
+    for (int i = 0; i < f->character_count; i++) {
+        bool follows = i > 0 && f->characters[i].code == f->characters[i - 1].code + 1;
         if (!follows) starts[runs++] = i;
         ends[runs - 1] = i;
     }
     return runs;
 }
 
-static void put_cmap(table *t)
+static void put_cmap(font *f)
 {
-    int starts[MAX_GLYPHS], ends[MAX_GLYPHS], runs = find_runs(starts, ends), segments = runs + 1, power = 1, log = 0;
+    table *t = &f->tables[CMAP];
+    int starts[MAX_GLYPHS], ends[MAX_GLYPHS], runs = find_runs(f, starts, ends), segments = runs + 1, power = 1,
+                                              log = 0;
     while (power * 2 <= segments) power *= 2, log++;
     put16(t, 0), put16(t, 2); /* version, two encodings that share one subtable */
     put16(t, 0), put16(t, 3), put32(t, 20);
     put16(t, 3), put16(t, 1), put32(t, 20);
     put16(t, 4), put16(t, 16 + 8 * segments), put16(t, 0);
     put16(t, segments * 2), put16(t, power * 2), put16(t, log), put16(t, (segments - power) * 2);
-    for (int i = 0; i < runs; i++) put16(t, (int)font_glyphs[ends[i]].code);
+    for (int i = 0; i < runs; i++) put16(t, (int)f->characters[ends[i]].code);
     put16(t, 0xffff), put16(t, 0);
-    for (int i = 0; i < runs; i++) put16(t, (int)font_glyphs[starts[i]].code);
+    for (int i = 0; i < runs; i++) put16(t, (int)f->characters[starts[i]].code);
     put16(t, 0xffff);
-    for (int i = 0; i < runs; i++) put16(t, starts[i] + 1 - (int)font_glyphs[starts[i]].code);
+    for (int i = 0; i < runs; i++) put16(t, starts[i] + 1 - (int)f->characters[starts[i]].code);
     put16(t, 1);
     for (int i = 0; i < segments; i++) put16(t, 0);
 }
@@ -248,9 +305,9 @@ static void put_os2(font *f)
     for (int i = 0; i < 11; i++) put16(t, sub_and_superscript[i]);
     static const int panose[10] = {2, 11, 5, 2, 2, 2, 2, 2, 2, 4};
     for (int i = 0; i < 10; i++) put8(t, panose[i]);
-    put32(t, 3), put32(t, 0), put32(t, 0), put32(t, 0); /* Basic Latin, Latin-1 */
+    put32(t, 0x287), put32(t, 0), put32(t, 0), put32(t, 0); /* Latin, Latin-1, Latin Extended-A, Greek, Cyrillic */
     put_text(t, "DAFT");
-    put16(t, 0x40), put16(t, (int)font_glyphs[0].code), put16(t, (int)font_glyphs[font_glyph_count - 1].code);
+    put16(t, 0x40), put16(t, (int)f->characters[0].code), put16(t, (int)f->characters[f->character_count - 1].code);
     put16(t, ASCENDER), put16(t, DESCENDER), put16(t, 0), put16(t, ASCENDER), put16(t, -DESCENDER);
     put32(t, 1), put32(t, 0);
     put16(t, 1016), put16(t, 1396), put16(t, 0), put16(t, 32), put16(t, 1); /* x height, cap height */
@@ -319,7 +376,7 @@ static bool build(font *f, table *file, const char *root)
 {
     const char *path = "assets/fonts/daft.ttf";
     if (!add_glyphs(f)) return false;
-    put_cmap(&f->tables[CMAP]);
+    put_cmap(f);
     put_head(f), put_hhea(f), put_maxp(f), put_os2(f);
     put_name(&f->tables[NAME]), put_post(&f->tables[POST]);
     assemble(f, file);

@@ -84,4 +84,25 @@ typedef struct glyph {
 extern const glyph font_glyphs[];
 extern const int font_glyph_count;
 
+/* clang-format off */
+enum {
+    MARK_NONE, MARK_GRAVE, MARK_ACUTE, MARK_CIRCUMFLEX, MARK_CARON, MARK_TILDE, MARK_DIAERESIS, MARK_DOT, MARK_RING,
+    MARK_MACRON, MARK_BREVE, MARK_DOUBLE_ACUTE, MARK_CEDILLA, MARK_OGONEK, MARKS
+};
+/* clang-format on */
+
+typedef struct glyph_mark {
+    const char *skeleton;
+    bool below;
+} glyph_mark;
+
+typedef struct composed {
+    uint32_t code, base; /* a glyph of font_glyphs */
+    int mark;
+} composed;
+
+extern const glyph_mark font_marks[MARKS];
+extern const composed font_composed[];
+extern const int font_composed_count;
+
 #endif

@@ -30,7 +30,7 @@ daft_engine *open_engine(const daft_engine_def *wanted)
 font *open_font(const home *where, daft_error *error)
 {
     char path[PATH_SIZE];
-    if (path_join(path, sizeof path, where->assets, "fonts/daft.ttf")) return font_open(path, error);
+    if (path_join(path, sizeof path, where->assets, "fonts/daft.ttf")) return font_open(NULL, NULL, path, path, error);
     fail(error, DAFT_ERROR_IO, "the path of assets/ is too long");
     return NULL;
 }

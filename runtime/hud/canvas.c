@@ -6,8 +6,13 @@
 canvas canvas_over(daft_image *image)
 {
     int height = daft_image_height(image);
-    return (canvas){daft_image_pixels(image), daft_image_width(image), height, (float)height / CANVAS_HEIGHT};
+    return (canvas){.pixels = daft_image_pixels(image),
+                    .width = daft_image_width(image),
+                    .height = height,
+                    .unit = (float)height / CANVAS_HEIGHT};
 }
+
+bool canvas_stops(const canvas *target) { return target->stops && target->stops(target->user); }
 
 float canvas_hud_width(const canvas *target) { return (float)target->width / target->unit; }
 

@@ -1,5 +1,5 @@
 /* hud: drawing over a finished picture: rectangles and text, and the program's own screens.
- * Public headers: canvas.h screens.h
+ * Public headers: canvas.h screens.h truetype.h
  * Coordinates are in HUD units: every picture is 720 units high, so that a HUD keeps its proportions. Colours are sRGB
  * with alpha and blend in sRGB.
  * Promises: no write outside the picture for any coordinates, NaN included. The same calls give the same bytes
@@ -15,6 +15,9 @@ typedef struct canvas {
     uint8_t *pixels; /* RGBA, top row first */
     int width, height;
     float unit; /* pixels a HUD unit */
+    /* Whether to leave out what is still to be drawn; asked now and then. NULL: never. */
+    bool (*stops)(void *user);
+    void *user;
 } canvas;
 
 typedef struct canvas_color {
@@ -22,6 +25,7 @@ typedef struct canvas_color {
 } canvas_color;
 
 canvas canvas_over(daft_image *image);
+bool canvas_stops(const canvas *target);
 float canvas_hud_width(const canvas *target);
 void canvas_rect(const canvas *target, float x, float y, float width, float height, canvas_color color);
 
@@ -29,7 +33,10 @@ void canvas_rect(const canvas *target, float x, float y, float width, float heig
 
 typedef struct font font;
 
-font *font_open(const char *path, daft_error *error);
+/* A TrueType file, read from `files` (NULL: from anywhere) and called `name` in messages. `engine` counts what it
+ * holds, the file and CACHE_BYTES of glyphs, towards its limit; it may be NULL. The file is checked before it is used.
+ */
+font *font_open(daft_engine *engine, const daft_files *files, const char *path, const char *name, daft_error *error);
 void font_close(font *face); /* NULL is fine */
 
 typedef enum text_align { TEXT_LEFT, TEXT_CENTER, TEXT_RIGHT } text_align;

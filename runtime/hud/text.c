@@ -1,18 +1,15 @@
 /* Text from a TrueType font. Each glyph is rasterized once for each pixel size and cached in a hash table with linear
- * probing, which is emptied at three quarters full. */
+ * probing, which is emptied at three quarters full, or when its pictures take CACHE_BYTES. */
 #include "hud/canvas.h"
 
 #include "common/util.h"
+#include "hud/truetype.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define STB_TRUETYPE_IMPLEMENTATION
-#define STBTT_STATIC
-#include <stb_truetype.h>
-
-enum { CACHE_SIZE = 2048, LARGEST_PIXELS = 512 };
+enum { CACHE_SIZE = 2048, CACHE_BYTES = 4 << 20, LARGEST_PIXELS = 512, LARGEST_GLYPH = 1 << 20 };
 
 typedef struct glyph {
     uint32_t key; /* code point · 1024 + pixel size; 0: empty */
@@ -22,43 +19,52 @@ typedef struct glyph {
 } glyph;
 
 struct font {
-    stbtt_fontinfo info;
-    char *bytes;
-    int ascent, descent, gap; /* font units */
+    truetype file;
+    void *bytes;
+    daft_engine *engine; /* whose memory limit counts it; or NULL */
+    uint64_t reserved;   /* there, bytes */
     glyph cache[CACHE_SIZE];
-    size_t cached;
+    size_t cached, cached_bytes;
+    truetype_outline outline; /* of the glyph at work */
 };
 
-font *font_open(const char *path, daft_error *error)
+static font *failed(font *face)
+{
+    font_close(face);
+    return NULL;
+}
+
+font *font_open(daft_engine *engine, const daft_files *files, const char *path, const char *name, daft_error *error)
 {
     font *face = calloc(1, sizeof *face);
     if (!face) {
         fail(error, DAFT_ERROR_MEMORY, "out of memory for a font");
         return NULL;
     }
-    size_t size;
-    face->bytes = daft_read_file(NULL, path, &size, error);
-    int offset = face->bytes && size > 64 ? stbtt_GetFontOffsetForIndex((unsigned char *)face->bytes, 0) : -1;
-    if (offset < 0 || !stbtt_InitFont(&face->info, (unsigned char *)face->bytes, offset)) {
-        if (face->bytes) fail_at(error, path, 0, 0, "not a TrueType font");
-        font_close(face);
-        return NULL;
+    size_t size = 0;
+    face->bytes = daft_read_file(files, path, &size, error);
+    if (!face->bytes) return failed(face);
+    const uint64_t needed = sizeof *face + size + CACHE_BYTES;
+    if (engine && !daft_engine_reserve(engine, needed)) {
+        fail_at(error, name, 0, 0, "the font takes more memory than is left");
+        return failed(face);
     }
-    stbtt_GetFontVMetrics(&face->info, &face->ascent, &face->descent, &face->gap);
-    return face;
+    if (engine) face->engine = engine, face->reserved = needed;
+    return truetype_open(&face->file, face->bytes, size, name, error) ? face : failed(face);
 }
 
 static void forget_glyphs(font *face)
 {
     for (size_t i = 0; i < CACHE_SIZE; i++) free(face->cache[i].coverage);
     memset(face->cache, 0, sizeof face->cache);
-    face->cached = 0;
+    face->cached = face->cached_bytes = 0;
 }
 
 void font_close(font *face)
 {
     if (!face) return;
     forget_glyphs(face);
+    if (face->engine) daft_engine_unreserve(face->engine, face->reserved);
     free(face->bytes);
     free(face);
 }
@@ -76,41 +82,62 @@ static uint32_t next_code_point(const char **text)
         else
             code = code << 6 | (at[i] & 0x3F);
     }
+    static const uint32_t SMALLEST[] = {0, 0x80, 0x800, 0x10000}; /* of that many bytes: longer forms are none */
+    if (extra >= 0 && (code < SMALLEST[extra] || code > 0x10FFFF || (code >= 0xD800 && code < 0xE000))) extra = -1;
     *text += extra < 0 ? 1 : extra + 1;
-    return extra < 0 || code > 0x10FFFF || code == 0 ? 0xFFFD : code;
+    return extra < 0 ? 0xFFFD : code;
 }
+
+static float units_scale(const font *face, float size)
+{
+    return size / (float)(face->file.ascent - face->file.descent);
+}
+
+/* Glyphs that are far too large stay blank. */
+static void rasterize(font *face, uint32_t code, int pixels, glyph *out)
+{
+    float box[4];
+    const float scale = units_scale(face, (float)pixels);
+    if (!truetype_read(&face->file, truetype_find(&face->file, code), &face->outline)) return;
+    truetype_bounds(&face->outline, box);
+    for (int i = 0; i < 4; i++)
+        if (fabsf(box[i] * scale) > LARGEST_GLYPH) return;
+    out->x = (int)floorf(box[0] * scale), out->y = (int)floorf(-box[3] * scale);
+    out->width = (int)ceilf(box[2] * scale) - out->x, out->height = (int)ceilf(-box[1] * scale) - out->y;
+    if (out->width <= 0 || out->height <= 0 || out->width > LARGEST_GLYPH / out->height) return;
+    const size_t size = (size_t)out->width * (size_t)out->height;
+    out->coverage = calloc(size, 1);
+    if (!out->coverage) return;
+    face->cached_bytes += size;
+    truetype_draw(&face->outline, scale, out->x, out->y, out->width, out->height, out->coverage);
+}
+
+static size_t first_slot(uint32_t key) { return (key * 2654435761u) >> 21; /* 11 bits: CACHE_SIZE slots */ }
 
 static const glyph *find_glyph(font *face, uint32_t code, int pixels)
 {
     uint32_t key = code * 1024 + (uint32_t)pixels;
-    size_t slot = (key * 2654435761u) >> 21; /* 11 bits: CACHE_SIZE slots */
+    size_t slot = first_slot(key);
     for (; face->cache[slot].key; slot = (slot + 1) % CACHE_SIZE)
         if (face->cache[slot].key == key) return &face->cache[slot];
-    if (face->cached >= CACHE_SIZE * 3 / 4) {
+    if (face->cached >= CACHE_SIZE * 3 / 4 || face->cached_bytes > CACHE_BYTES - LARGEST_GLYPH) {
         forget_glyphs(face);
-        slot = (key * 2654435761u) >> 21;
+        slot = first_slot(key);
     }
     glyph *found = &face->cache[slot];
     found->key = key;
     face->cached++;
-    float scale = stbtt_ScaleForPixelHeight(&face->info, (float)pixels);
-    int index = stbtt_FindGlyphIndex(&face->info, (int)code);
-    int x1, y1;
-    stbtt_GetGlyphBitmapBox(&face->info, index, scale, scale, &found->x, &found->y, &x1, &y1);
-    found->width = x1 - found->x, found->height = y1 - found->y;
-    if (found->width > 0 && found->height > 0) found->coverage = calloc((size_t)found->width, (size_t)found->height);
-    if (found->coverage)
-        stbtt_MakeGlyphBitmap(&face->info, found->coverage, found->width, found->height, found->width, scale, scale,
-                              index);
+    rasterize(face, code, pixels, found);
     return found;
 }
 
 /* The advance with kerning, in font units. */
 static int advance(const font *face, uint32_t code, uint32_t next)
 {
-    int width, bearing;
-    stbtt_GetCodepointHMetrics(&face->info, (int)code, &width, &bearing);
-    return next && next != '\n' ? width + stbtt_GetCodepointKernAdvance(&face->info, (int)code, (int)next) : width;
+    const uint32_t left = truetype_find(&face->file, code);
+    const int width = truetype_advance(&face->file, left);
+    if (!next || next == '\n') return width;
+    return width + truetype_kerning(&face->file, left, truetype_find(&face->file, next));
 }
 
 /* The advance of the line from `text` to `end` or a newline, in font units. */
@@ -125,8 +152,6 @@ static int line_advance(const font *face, const char *text, const char *end)
     }
     return width;
 }
-
-static float units_scale(const font *face, float size) { return size / (float)(face->ascent - face->descent); }
 
 float text_line_height(float size) { return size * 1.2f; }
 
@@ -168,7 +193,7 @@ static void draw_line(const canvas *target, font *face, const char *text, const 
     int pixels = (int)(style->size * target->unit + 0.5f);
     pixels = pixels < 1 ? 1 : pixels > LARGEST_PIXELS ? LARGEST_PIXELS : pixels;
     float scale = units_scale(face, style->size) * target->unit;
-    float pen = x * target->unit, base = y * target->unit + (float)face->ascent * scale;
+    float pen = x * target->unit, base = y * target->unit + (float)face->file.ascent * scale;
     int line = line_advance(face, text, end);
     if (style->align != TEXT_LEFT) pen -= (float)line * scale * (style->align == TEXT_CENTER ? 0.5f : 1.0f);
     /* Reject far coordinates and NaN before converting to int. */
@@ -179,7 +204,7 @@ static void draw_line(const canvas *target, font *face, const char *text, const 
         const char *at = text;
         int walked = 0;
         uint32_t code = next_code_point(&at);
-        while (code && code != '\n' && at <= end) {
+        while (code && code != '\n' && at <= end && !canvas_stops(target)) {
             uint32_t next = next_code_point(&at);
             int offset = pass == 0 ? shadow : 0;
             draw_glyph(target, find_glyph(face, code, pixels), (int)floorf(pen + (float)walked * scale + 0.5f) + offset,
@@ -203,28 +228,25 @@ void text_draw(const canvas *target, font *face, const char *text, float x, floa
 /* The end of the longest prefix of `text` that fits, at a blank if possible; at least one character. */
 static const char *break_line(const font *face, const char *text, float width, float scale)
 {
-    const char *fit = NULL, *at = text;
-    for (;;) {
-        const char *word = at + strspn(at, " ");
-        word += strcspn(word, " \n");
-        if (fit && (float)line_advance(face, text, word) * scale > width) return fit;
-        fit = at = word;
-        if (*at != ' ') break;
+    const char *at = text, *here = text, *blank = NULL;
+    bool after_word = false;
+    int walked = 0;
+    uint32_t code = next_code_point(&at);
+    for (; code && code != '\n'; here = at, code = next_code_point(&at)) {
+        const char *ahead = at;
+        walked += advance(face, code, next_code_point(&ahead));
+        if (code == ' ' && after_word) blank = here;
+        after_word = code != ' ';
+        if (after_word && here > text && (float)walked * scale > width) return blank ? blank : here;
     }
-    /* A word too long for the line is cut between two characters. */
-    const char *min_end = text;
-    next_code_point(&min_end);
-    while (fit > min_end && (float)line_advance(face, text, fit) * scale > width) do
-            fit--;
-        while (fit > min_end && (*fit & 0xC0) == 0x80);
-    return fit;
+    return here;
 }
 
 float text_draw_wrapped(const canvas *target, font *face, const char *text, float x, float y, float width,
                         const text_style *style)
 {
     float scale = units_scale(face, style->size), top = y;
-    while (*text) {
+    while (*text && !(target && canvas_stops(target))) {
         const char *end = break_line(face, text, width, scale);
         if (target) draw_line(target, face, text, end, x, y, style);
         y += text_line_height(style->size);

@@ -105,6 +105,7 @@ typedef enum api_type {
     API_PICTURE,
     API_SOUND,
     API_VOICE,
+    API_FONT,
     API_TYPES
 } api_type;
 
@@ -135,6 +136,8 @@ int api_release_handle(lua_State *L);
 int api_release_picture(lua_State *L);
 /* __gc of sounds. */
 int api_release_sound(lua_State *L);
+/* __gc of fonts. */
+int api_release_font(lua_State *L);
 
 /* Pushes the userdata of an entity, always the same one for the same entity; nil for none. */
 void api_push_entity(lua_State *L, uint32_t id);

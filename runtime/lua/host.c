@@ -407,10 +407,14 @@ bool host_key(host *state, int key, bool down)
     return call(state, "daft.keyreleased", (request){.callback = "keyreleased", .key = name});
 }
 
+static bool drawing_stops(void *user) { return host_stopping(user); }
+
 bool host_draw(host *state, const canvas *picture)
 {
+    canvas over = *picture;
+    over.stops = drawing_stops, over.user = state;
     state->hud_width = canvas_hud_width(picture);
-    state->picture = picture;
+    state->picture = &over;
     bool good = call(state, "daft.draw", (request){.callback = "draw"});
     state->picture = NULL;
     return good;

@@ -73,6 +73,7 @@ typedef struct host {
     uint32_t tasks;             /* that run or wait, at most */
     mixer mixer;                /* what sounds */
     uint32_t sounds, music;     /* made so far; the voice of the music */
+    uint32_t fonts;             /* made so far */
     char message[HOST_MESSAGE], trace[HOST_TRACE]; /* of the last error */
     char inner[HOST_TRACE / 2]; /* the stack of the coroutine in which an error began that is on its way; or empty */
 } host;

@@ -13,13 +13,14 @@ const fuzz_target FUZZ_TARGETS[FUZZ_TARGET_COUNT] = {{"obj", obj_input, 10, fals
                                                      {"recording", recording_input, 10, false},
                                                      {"pack", pack_input, 10, false},
                                                      {"calls", calls_input, 20, false},
-                                                     {"state", state_input, 10, false}};
+                                                     {"state", state_input, 10, false},
+                                                     {"font", font_input, 10, false}};
 
 static char folder[256];
 
 static const char *const names[] = {"thing.obj",  "paint.mtl", "picture.png", "other.scene",
                                     "self.scene", "input.obj", "input.scene", "input.image",
-                                    "main.lua",   "input.rec", "again.rec"};
+                                    "main.lua",   "input.rec", "again.rec",   "input.ttf"};
 
 static const char thing[] = "mtllib paint.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nvt 1 0\nvt 0 1\n"
                             "usemtl red\nf 1/1 3/3 2/2\nf 1/1 2/2 4/3\nusemtl glass\nf 1 4 3\nf 2 3 4\n";

@@ -26,6 +26,7 @@ fuzz_input recording_input; /* a recording of a game's input */
 fuzz_input pack_input;      /* a packed game */
 fuzz_input calls_input;     /* calls of any function of daft.h, with any arguments */
 fuzz_input state_input;     /* a saved state of bodies, or changes of a good one */
+fuzz_input font_input;      /* a TrueType file; then text of it */
 
 typedef struct fuzz_target {
     const char *name;
@@ -34,7 +35,7 @@ typedef struct fuzz_target {
     bool sealed;    /* opens nothing but the fuzzer's folder, assets/ and scripts/ */
 } fuzz_target;
 
-enum { FUZZ_TARGET_COUNT = 10 };
+enum { FUZZ_TARGET_COUNT = 11 };
 extern const fuzz_target FUZZ_TARGETS[FUZZ_TARGET_COUNT];
 
 /* Runs an input of the target, and aborts where it takes too long or, where the target is sealed, opens another file.

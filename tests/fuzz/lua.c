@@ -35,7 +35,7 @@ static const stage *get_stage(void)
     made.engine = daft_engine_create(&def, &error);
     char face[640];
     snprintf(face, sizeof face, "%s/assets/fonts/daft.ttf", fuzz_root());
-    made.face = font_open(face, &error);
+    made.face = font_open(NULL, NULL, face, face, &error);
     made.picture = daft_image_create(made.engine, WIDTH, HEIGHT, &error);
     FUZZ_CHECK(made.engine && made.face && made.picture);
     return &made;

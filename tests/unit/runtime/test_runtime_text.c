@@ -40,7 +40,7 @@ static uint8_t memory[GUARD + 4 * WIDTH * HEIGHT + GUARD];
 static canvas fresh(void)
 {
     memset(memory, 0x55, sizeof memory);
-    return (canvas){memory + GUARD, WIDTH, HEIGHT, (float)HEIGHT / CANVAS_HEIGHT};
+    return (canvas){.pixels = memory + GUARD, .width = WIDTH, .height = HEIGHT, .unit = (float)HEIGHT / CANVAS_HEIGHT};
 }
 
 static size_t changed(const canvas *target)
@@ -170,10 +170,139 @@ static void a_file_that_is_no_font_is_an_error(void **unused)
 {
     (void)unused;
     daft_error error;
-    assert_null(font_open(DAFT_ROOT "/CMakeLists.txt", &error));
+    assert_null(font_open(NULL, NULL, DAFT_ROOT "/CMakeLists.txt", "x.ttf", &error));
     assert_non_null(strstr(error.message, "not a TrueType font"));
-    assert_null(font_open(DAFT_ROOT "/no.ttf", &error));
-    assert_null(font_open(DAFT_ROOT, &error));
+    assert_null(font_open(NULL, NULL, DAFT_ROOT "/no.ttf", "x.ttf", &error));
+    assert_null(font_open(NULL, NULL, DAFT_ROOT, "x.ttf", &error));
+}
+
+/* How many pixels the text covers. */
+static size_t ink(font *with, const char *text)
+{
+    canvas target = fresh();
+    const text_style style = {200, WHITE, TEXT_LEFT, false};
+    text_draw(&target, with, text, 8, 8, &style);
+    return changed(&target);
+}
+
+static bool looks_alike(const char *a, const char *b)
+{
+    static uint8_t first[4 * WIDTH * HEIGHT];
+    ink(face, a);
+    memcpy(first, memory + GUARD, sizeof first);
+    ink(face, b);
+    return memcmp(first, memory + GUARD, sizeof first) == 0;
+}
+
+static void our_font_has_latin_greek_and_cyrillic_and_a_box_for_the_rest(void **unused)
+{
+    (void)unused;
+    static const struct {
+        unsigned first, last;
+    } ranges[] = {{0x21, 0x7e}, {0xc0, 0xff}, {0x391, 0x3a1}, {0x3a3, 0x3a9}, {0x3b1, 0x3c9}, {0x410, 0x44f}};
+    const char *box = "\xe6\xbc\xa2"; /* a Chinese letter */
+    for (size_t i = 0; i < sizeof ranges / sizeof ranges[0]; i++) {
+        for (unsigned code = ranges[i].first; code <= ranges[i].last; code++) {
+            char text[3] = {(char)code, 0, 0};
+            if (code == 0xd0 || code == 0xf7) continue; /* Eth is there, too; the sign for division is not */
+            if (code > 127) text[0] = (char)(0xc0 | code >> 6), text[1] = (char)(0x80 | (code & 63));
+            if (ink(face, text) == 0 || looks_alike(text, box)) fail_msg("U+%04X is missing", code);
+        }
+    }
+    assert_true(ink(face, box) > 0 && looks_alike(box, "\xff") && looks_alike(box, "\xf0\x9f\x98\x80"));
+    assert_true(looks_alike("\xd0\x90", "A") && !looks_alike("\xd0\x91", "B"));
+}
+
+static font *open_seed(const char *name)
+{
+    char path[300];
+    daft_error error;
+    snprintf(path, sizeof path, "%s/tests/fuzz/seeds/font/%s", DAFT_ROOT, name);
+    font *opened = font_open(NULL, NULL, path, name, &error);
+    if (!opened) fail_msg("%s", error.message);
+    return opened;
+}
+
+/* The seed's A is a square of 0.4 em, B a round dot of 0.2, C both, the dot at half its size; A before A is kerned. */
+static void parts_kerning_and_every_kind_of_character_table_are_read(void **unused)
+{
+    (void)unused;
+    font *parts = open_seed("parts.ttf");
+    const size_t a = ink(parts, "A"), b = ink(parts, "B"), c = ink(parts, "C");
+    assert_true(a > 2 * b && b > 0 && c > a && c < a + b);
+    const float one = text_width(parts, "A", 100), two = text_width(parts, "AA", 100);
+    assert_true(one == 45 && two == 80); /* 450 and 2 · 450 - 100 of 1000 units */
+    assert_true(text_width(parts, "?", 100) == 60);
+    font *others[] = {open_seed("bytes.ttf"), open_seed("trimmed.ttf")};
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(ink(others[i], "A"), a);
+        font_close(others[i]);
+    }
+    font *groups = open_seed("groups.ttf");
+    assert_int_equal(ink(groups, "\xf0\x9f\x98\x80"), b); /* U+1F600 */
+    assert_int_equal(ink(groups, " "), 0);
+    font_close(groups);
+    font_close(parts);
+}
+
+static bool opens(const uint8_t *bytes, size_t size, daft_error *error)
+{
+    const char *path = "damaged.ttf";
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(bytes, 1, size, file), size);
+    fclose(file);
+    font *opened = font_open(NULL, NULL, path, path, error);
+    if (opened) ink(opened, "Ag\xc3\xa4\xce\xb1");
+    font_close(opened);
+    remove(path);
+    return opened != NULL;
+}
+
+static void damaged_fonts_are_errors_or_harmless(void **unused)
+{
+    (void)unused;
+    daft_error error;
+    size_t size;
+    uint8_t *bytes = daft_read_file(NULL, DAFT_ROOT "/assets/fonts/daft.ttf", &size, &error);
+    assert_non_null(bytes);
+    for (size_t length = 0; length < size - 100; length += length < 200 ? 7 : size / 40) {
+        error.message[0] = 0;
+        assert_false(opens(bytes, length, &error)); /* its last tables are needed: what is cut off is missed */
+        assert_true(error.message[0] != 0);
+    }
+    uint64_t state = 0x9e3779b97f4a7c15u;
+    for (int i = 0; i < 150; i++) {
+        state ^= state << 13, state ^= state >> 7, state ^= state << 17;
+        const size_t at = i < 100 ? state % 400 : state % size;
+        const uint8_t before = bytes[at];
+        bytes[at] = (uint8_t)(state >> 40);
+        opens(bytes, size, &error);
+        bytes[at] = before;
+    }
+    free(bytes);
+    assert_guards();
+}
+
+static void a_font_counts_towards_the_memory_limit(void **unused)
+{
+    (void)unused;
+    daft_error error;
+    daft_engine_def def = daft_default_engine_def();
+    daft_engine *engine = daft_engine_create(&def, &error);
+    const char *path = DAFT_ROOT "/assets/fonts/daft.ttf";
+    const uint64_t before = daft_engine_memory(engine).used;
+    font *opened = font_open(engine, NULL, path, path, &error);
+    assert_true(opened && daft_engine_memory(engine).used > before + 4000000);
+    font_close(opened);
+    assert_true(daft_engine_memory(engine).used == before);
+    daft_engine_destroy(engine);
+    def.memory_limit = 4000000;
+    engine = daft_engine_create(&def, &error);
+    assert_non_null(engine);
+    assert_null(font_open(engine, NULL, path, path, &error));
+    assert_non_null(strstr(error.message, "memory"));
+    daft_engine_destroy(engine);
 }
 
 int main(void)
@@ -184,6 +313,10 @@ int main(void)
                                        cmocka_unit_test(nothing_is_drawn_outside),
                                        cmocka_unit_test(any_bytes_are_drawn_somehow),
                                        cmocka_unit_test(lines_break_at_blanks_and_never_exceed_the_width),
-                                       cmocka_unit_test(a_file_that_is_no_font_is_an_error)};
+                                       cmocka_unit_test(a_file_that_is_no_font_is_an_error),
+                                       cmocka_unit_test(our_font_has_latin_greek_and_cyrillic_and_a_box_for_the_rest),
+                                       cmocka_unit_test(parts_kerning_and_every_kind_of_character_table_are_read),
+                                       cmocka_unit_test(damaged_fonts_are_errors_or_harmless),
+                                       cmocka_unit_test(a_font_counts_towards_the_memory_limit)};
     return cmocka_run_group_tests(tests, open_face, close_face);
 }

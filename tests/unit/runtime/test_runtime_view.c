@@ -196,7 +196,7 @@ static int set_up(void **state)
     daft_engine_def def = daft_default_engine_def();
     def.threads = 2;
     b.engine = daft_engine_create(&def, NULL);
-    b.face = font_open(DAFT_ROOT "/assets/fonts/daft.ttf", NULL);
+    b.face = font_open(NULL, NULL, DAFT_ROOT "/assets/fonts/daft.ttf", "daft.ttf", NULL);
     if (!b.engine || !b.face || !mkdtemp(b.folder)) return -1;
     snprintf(b.scene, sizeof b.scene, "%s/a.scene", b.folder);
     put(&b, "a.scene", HELLO);
