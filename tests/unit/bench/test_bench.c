@@ -112,6 +112,7 @@ static void list_names_what_there_is(void **unused)
                                         "nefertiti memory",
                                         "marble start-up",
                                         "game frame, marble 95th percentile\n",
+                                        "game frame, toppler 95th percentile\n",
                                         "scene frame, town median\n",
                                         "frame, unseen mirror, no light",
                                         "growth, triangles frame, 1k",

@@ -1,0 +1,319 @@
+-- Toppler: a catapult, ten towers, and kings who sit too high.
+-- Knock every king down. The arrow keys or the mouse aim, hold space or the left button to pull, let go to throw.
+
+local levels = require "levels"
+local scenery = require "scenery"
+local blocks = require "blocks"
+local catapult = require "catapult"
+local cameras = require "cameras"
+local controls = require "controls"
+local effects = require "effects"
+local sounds = require "sounds"
+local menus = require "menus"
+local progress = require "progress"
+local hud = require "hud"
+local bot = require "bot"
+
+local PULL, TAP = 1.5, 0.06           -- seconds to pull the catapult all the way; less of a pull throws nothing
+local YAW, LOWEST, HIGHEST = math.rad(35), math.rad(-6), math.rad(78)
+local SETTLED, LONGEST = 2.2, 8       -- seconds after a throw in which nothing is decided, and after which all is
+
+local game = { state = "title", note = "", note_left = 0 }
+local flow                            -- the task that plays a level
+local ball, thrown                    -- the shot on its way, and seconds since it left
+local view_time = 0
+
+local function say(text, seconds) game.note, game.note_left = text, seconds end
+
+local function settings_changed()
+    local s = progress.settings
+    daft.volume("music", s.music / 10 * 0.6)
+    daft.volume("effects", s.effects / 10)
+    cameras.shaking = s.shaking
+    progress.save()
+end
+
+-- ---- a level ----
+
+local function build(number)
+    if flow then daft.cancel(flow) end
+    flow, ball = nil, nil
+    blocks.clear()
+    if game.ball then game.ball:destroy() end
+    game.ball = nil
+    effects.arc(nil)
+    sounds.pull(nil)
+    daft.input.mouse.grab(false)
+    game.number, game.level = number, levels[number]
+    scenery.light(game.level.light)
+    game.level.build(blocks)
+    catapult.yaw, catapult.pitch = 0, math.rad(30)
+    catapult.pose(0)
+    catapult.load(nil)
+end
+
+local function count()
+    game.kings = blocks.kings_left()
+    game.points = 10 * blocks.toppled() + 250 * (#blocks.kings - game.kings)
+end
+
+local function over() return game.kings == 0 or game.lady_fell end
+
+-- Pulls while the key is held; says when it is let go. A mere tap throws nothing.
+local function pull(more)
+    if controls.pulls() and not game.pull then game.pull = 0 end
+    if not game.pull then return false end
+    if controls.pull() then
+        game.pull = math.min(1, game.pull + more)
+        return false
+    end
+    if game.pull >= TAP then return true end
+    game.pull = nil
+    return false
+end
+
+-- In a task: until the shot has been let go, or there is no need for it.
+local function take_aim(kind)
+    game.state, game.pull = "aim", nil
+    daft.input.mouse.grab(true)
+    catapult.load(kind)
+    catapult.pose(0)
+    wait_until(function()
+        if over() then return true end
+        local turn, raise = controls.aim(1 / 60)
+        catapult.yaw = math.max(-YAW, math.min(YAW, catapult.yaw + turn))
+        catapult.pitch = math.max(LOWEST, math.min(HIGHEST, catapult.pitch + raise))
+        local let_go = pull(1 / 60 / PULL)
+        catapult.pose(game.pull or 0)
+        sounds.pull(game.pull)
+        if progress.settings.arc then effects.arc(catapult.throw(game.pull or game.last_pull)) end
+        return let_go
+    end)
+    sounds.pull(nil)
+    effects.arc(nil)
+    daft.input.mouse.grab(false)
+end
+
+local function settled()
+    if over() or thrown > LONGEST then return true end
+    if thrown < SETTLED then return false end
+    return daft.physics().awake == 0 or (ball == nil and thrown > 5)
+end
+
+local function throw(kind)
+    game.state, game.last_pull = "watch", game.pull
+    sounds.play("throw")
+    if game.ball then game.ball:destroy() end
+    thrown = 0
+    ball = catapult.fire(kind, game.last_pull)
+    game.ball = ball
+    sounds.play("whoosh", { at = ball, volume = 0.6 })
+    wait_until(settled)
+    ball = nil
+end
+
+local function finish()
+    count()
+    local left = #game.level.shots - game.shot
+    if game.lady_fell or game.kings > 0 then
+        game.state, game.lost_text = "lost", game.lady_fell and "The lady fell!" or "Still enthroned"
+        sounds.play("lose")
+        return
+    end
+    game.points = game.points + 500 * left
+    game.stars = math.max(1, math.min(3, 3 - (game.shot - game.level.par)))
+    game.kings_text = #blocks.kings == 1 and "The king is down!" or "All kings are down!"
+    game.record = progress.won(game.number, game.points, game.stars)
+    game.state = "won"
+    sounds.play("win")
+    print(("toppler: level %d won with %d of %d shots, %d points, %d stars"):format(game.number, game.shot, #game.level.shots,
+        game.points, game.stars))
+end
+
+local function run()
+    game.state = "fly"
+    cameras.fly(game.level.view, catapult)
+    wait()
+    wait_until(function() return not cameras.flying() or controls.confirm() end)
+    cameras.skip()
+    wait()
+    for i, kind in ipairs(game.level.shots) do
+        game.shot = i
+        take_aim(kind)
+        if not over() then throw(kind) end
+        if over() then break end
+    end
+    if over() then wait(1.6) end
+    finish()
+end
+
+local function play(number)
+    menus.close()
+    build(number)
+    local best = progress.best[number]
+    game.shot, game.pull, game.last_pull, game.lady_fell, game.best = 1, nil, 0.6, false, best and best.points
+    say("", 0)
+    count()
+    view_time = 0
+    sounds.music("play")
+    flow = daft.start(run)
+end
+
+-- ---- the title and its menus ----
+
+local title
+
+local function choose_level()
+    local items = {}
+    for i, level in ipairs(levels) do
+        local best = progress.best[i]
+        items[i] = { label = ("%d  %s"):format(i, progress.open(i) and level.name or "?"), locked = not progress.open(i),
+            act = function() play(i) end, value = function() return best and hud.stars(best.stars) .. (" %5d"):format(best.points) or "" end }
+    end
+    menus.show("Levels", items, title)
+end
+
+local function slider(label, name)
+    local s = progress.settings
+    return { label = label, level = function() return s[name] / 10 end, change = function(step)
+        s[name] = math.max(0, math.min(10, s[name] + step))
+        settings_changed()
+    end }
+end
+
+local function toggle(label, name)
+    local s = progress.settings
+    return { label = label, value = function() return s[name] and "on" or "off" end, change = function()
+        s[name] = not s[name]
+        settings_changed()
+    end }
+end
+
+local function settings()
+    menus.show("Settings", { slider("Music", "music"), slider("Effects", "effects"), toggle("Show the arc", "arc"),
+        toggle("Shake the camera", "shaking"), { label = "Back", act = title } }, title)
+end
+
+local function next_level()
+    for i = 1, #levels do
+        if not progress.best[i] then return i end
+    end
+    return 1
+end
+
+function title()
+    if game.state ~= "title" then
+        build(5)
+        game.state = "title"
+        cameras.orbit(game.level.view, 0, true)
+        sounds.music("title")
+    end
+    local number = next_level()
+    menus.show("The kings sit too high", {
+        { label = number == 1 and "Play" or ("Go on with level %d"):format(number), act = function() play(number) end },
+        { label = "Levels", act = choose_level },
+        { label = "Settings", act = settings },
+        { label = "Watch the bot", act = function()
+            bot.toggle()
+            play(1)
+        end },
+        { label = "Quit", act = daft.quit } })
+end
+
+-- ---- the game's callbacks ----
+
+function daft.load()
+    progress.load(#levels)
+    sounds.load()
+    scenery.build()
+    catapult.build()
+    effects.load()
+    settings_changed()
+    game.state = ""
+    title()
+end
+
+local function impacts()
+    for _, event in ipairs(daft.events()) do
+        if event.kind == "begin" and event.speed > 1 then
+            sounds.hit(event)
+            local a, b = event.a, event.b
+            if (a == ball or b == ball) and event.speed > 3 then
+                if ball.data.kind == "bomb" then
+                    effects.explode { ball:position() }
+                    sounds.play("boom", { at = event.point, near = 30, far = 200 })
+                    cameras.jolt(0.5)
+                    ball:destroy()
+                    ball, game.ball = nil, nil
+                    return
+                end
+                effects.burst(event.point, "#c8b898", math.min(14, math.floor(event.speed)), event.speed * 0.22)
+                if event.speed > 8 then cameras.jolt(event.speed * 0.012) end
+            end
+        end
+    end
+end
+
+local function fell(who, lady)
+    local x, y, z = who.body:position()
+    effects.burst({ x, y + 0.8, z }, lady and "#e86aa6" or "#ffd040", 16, 3.5)
+    sounds.play(lady and "scream" or "yelp", { at = who.body, near = 20, far = 200 })
+    say(lady and "Oh no, the lady!" or blocks.kings_left() > 0 and "One king down!" or "", 1.5)
+    if lady then game.lady_fell = true end
+end
+
+local function answer_keys()
+    if game.state == "won" and controls.confirm() then
+        if game.number < #levels then play(game.number + 1) else title() end
+    elseif game.state == "lost" and controls.confirm() then
+        play(game.number)
+    elseif controls.back() then
+        title()
+    elseif controls.again() then
+        play(game.number)
+    end
+end
+
+local function look(dt)
+    view_time = view_time + dt
+    local view = game.level.view
+    if game.state == "title" then
+        cameras.orbit(view, view_time)
+    elseif game.state == "aim" and not controls.peek() then
+        cameras.aim(catapult)
+    elseif ball and thrown and thrown < 2 then
+        cameras.follow(ball, view)
+    elseif game.state ~= "fly" then
+        cameras.watch(view, view_time)
+    end
+    cameras.update(dt)
+end
+
+function daft.update(dt)
+    bot.update(game)
+    game.note_left = game.note_left - dt
+    if thrown then thrown = thrown + dt end
+    if menus.shown() then menus.update() else answer_keys() end
+    impacts()
+    if game.state ~= "title" then
+        blocks.watch(fell)
+        if game.state == "aim" or game.state == "watch" then count() end
+    end
+    blocks.update()
+    effects.update(dt)
+    sounds.update()
+    look(dt)
+end
+
+function daft.keypressed(key)
+    if key == "b" and game.state == "title" then bot.toggle() end
+end
+
+function daft.draw()
+    if game.state == "title" then
+        hud.title(menus.size() <= 6, progress.total())
+    else
+        hud.game(game)
+    end
+    menus.draw()
+end
