@@ -1,6 +1,6 @@
 /* Rows `game frame, NAME`: each game of games/ that has a demo.rec plays it to the end in the program itself, without a
- * window, every frame drawn; the program's own clock times each frame, HUD included. And how long the program takes to
- * start. */
+ * window, every frame drawn; the program's own clock times each frame, HUD included. The peer, llvmpipe with one sample
+ * a pixel, plays the same demo, without HUD. And how long the program takes to start. */
 #include "frames/users.h"
 
 #include <dirent.h>
@@ -75,15 +75,6 @@ void bench_start_up(bench *self)
 
 /* ---- frames ---- */
 
-/* The number after "name": in a JSON text; negative where there is none. */
-static double number_after(const char *json, const char *name)
-{
-    char key[64];
-    snprintf(key, sizeof key, "\"%s\":", name);
-    const char *found = json ? strstr(json, key) : NULL;
-    return found ? strtod(found + strlen(key), NULL) : -1;
-}
-
 static const char *const EFFECTS[DAFT_EFFECT_COUNT] = {
     [DAFT_EFFECT_VISIBILITY] = "visibility", [DAFT_EFFECT_SURFACE] = "surface",
     [DAFT_EFFECT_TEXTURE] = "texture",       [DAFT_EFFECT_SHADOW] = "shadow",
@@ -93,15 +84,13 @@ static const char *const EFFECTS[DAFT_EFFECT_COUNT] = {
 
 static void read_stats(const char *json, users_frames *out)
 {
-    const char *frame = strstr(json, "\"frame_ms\""), *effects = strstr(json, "\"effects\"");
-    *out = (users_frames){.median = number_after(frame, "median"),
-                          .p95 = number_after(frame, "p95"),
-                          .frames = (int)number_after(frame, "frames")};
+    const char *effects = strstr(json, "\"effects\"");
+    users_read_times(json, out);
     for (int i = 0; i < DAFT_EFFECT_COUNT; i++) {
         char key[64];
         snprintf(key, sizeof key, "\"%s\":", EFFECTS[i]);
         const char *at = effects ? strstr(effects, key) : NULL;
-        if (at) out->names[i] = EFFECTS[i], out->effects[i] = number_after(at, "mean_ms");
+        if (at) out->names[i] = EFFECTS[i], out->effects[i] = users_number(at, "mean_ms");
     }
 }
 
@@ -128,7 +117,7 @@ static bool play_demo(bench *self, const char *game, int threads, users_frames *
 /* The best of two demos, unless --rounds says how many. */
 static void measure_game(bench *self, const char *scene, const char *game, int threads)
 {
-    users_frames best = {0};
+    users_frames best = {0}, peer = {0};
     fprintf(stderr, "%s, %d thread%s\n", scene, threads, threads == 1 ? "" : "s");
     for (int i = 0; i < (self->rounds ? self->rounds : 2); i++) {
         users_frames f;
@@ -137,9 +126,10 @@ static void measure_game(bench *self, const char *scene, const char *game, int t
             return;
         }
         if (i == 0 || f.p95 < best.p95) best = f;
+        users_peer(self, "game", game, threads, false, &peer);
     }
     bool two = threads == 2; /* what the budget is for */
-    users_report(self, scene, threads, &best, "the whole demo", two ? 1e3 / 60 : 0, two ? 1e3 / 120 : 0);
+    users_report(self, scene, threads, &best, &peer, "the whole demo", two ? 1e3 / 60 : 0, two ? 1e3 / 120 : 0);
 }
 
 static int has_demo(const struct dirent *entry)

@@ -1,18 +1,15 @@
 /* Rows `scene frame, NAME`: each scene of assets/scenes in quality `game`, through daft.h alone: with one sample a
- * pixel, and as it is, with antialiasing. The first camera sways as a person looking around does: up to 40 cm along and
- * 20 cm across, 6 degrees to the sides, over 120 frames, so that no frame repeats the one before and each is drawn in
+ * pixel, and as it is, with antialiasing. The first camera sways for 120 frames (sway.h), so that each is drawn in
  * full. What the engine keeps from frame to frame stays kept, as for a user. The row also reports the time of a frame
- * in which nothing moves. */
+ * in which nothing moves. The peer is llvmpipe, with one sample a pixel and with four. */
 #include "frames/users.h"
 
-#include "math/trig.h"
+#include "frames/sway.h"
 
 #include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum { FRAMES = 120, WIDTH = 1280, HEIGHT = 720 };
 
 typedef struct show {
     daft_engine *engine;
@@ -34,7 +31,7 @@ static bool open_show(bench *self, const char *path, int threads, bool smooth, s
     s->engine = daft_engine_create(&def, error);
     if (s->engine) s->scene = daft_scene_create(s->engine, error);
     if (s->scene && daft_scene_load(s->scene, path, error))
-        s->image = daft_image_create(s->engine, WIDTH, HEIGHT, error);
+        s->image = daft_image_create(s->engine, SWAY_WIDTH, SWAY_HEIGHT, error);
     if (s->image) s->view.camera = daft_scene_camera(s->scene, 1);
     return s->image != NULL;
 }
@@ -44,17 +41,6 @@ static void close_show(show *s)
     daft_image_destroy(s->image);
     if (s->scene) daft_scene_destroy(s->scene);
     if (s->engine) daft_engine_destroy(s->engine);
-}
-
-static daft_camera sway(const daft_camera *from, int frame)
-{
-    double turn = 2 * DAFT_PI * (frame + 0.5) / FRAMES, along = 0.4 * daft_sin(turn), across = 0.2 * daft_sin(2 * turn);
-    double c = daft_cos((double)from->yaw), s = daft_sin((double)from->yaw); /* yaw 0 looks along +X, positive turns to
-                                                                                +Z */
-    daft_camera camera = *from;
-    camera.position.x += along * c - across * s, camera.position.z += along * s + across * c;
-    camera.yaw += (float)(6 * DAFT_PI / 180 * daft_sin(turn));
-    return camera;
 }
 
 /* Milliseconds; negative on failure. */
@@ -67,26 +53,19 @@ static double draw(show *s, const daft_camera *camera)
     return bench_clock_ms(s->threads) - start;
 }
 
-static int by_time(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return x < y ? -1 : x > y;
-}
-
 /* The sway once: fills `out`. */
 static bool show_all(show *s, users_frames *out)
 {
-    double ms[FRAMES];
-    *out = (users_frames){.frames = FRAMES};
-    for (int i = 0; i < FRAMES; i++) {
+    double ms[SWAY_FRAMES];
+    *out = (users_frames){.frames = SWAY_FRAMES};
+    for (int i = 0; i < SWAY_FRAMES; i++) {
         daft_camera camera = sway(&s->view.camera, i);
         if ((ms[i] = draw(s, &camera)) < 0) return false;
         const daft_effect *effects = daft_scene_counters(s->scene)->effects;
         for (int k = 0; k < DAFT_EFFECT_COUNT; k++)
-            out->names[k] = effects[k].name, out->effects[k] += effects[k].ms / FRAMES;
+            out->names[k] = effects[k].name, out->effects[k] += effects[k].ms / SWAY_FRAMES;
     }
-    qsort(ms, FRAMES, sizeof ms[0], by_time);
-    out->median = ms[FRAMES / 2], out->p95 = ms[FRAMES * 95 / 100 - 1];
+    out->median = sway_median(ms, SWAY_FRAMES), out->p95 = sway_p95(ms, SWAY_FRAMES);
     return true;
 }
 
@@ -96,18 +75,19 @@ static void measure_scene(bench *self, const char *row, const char *path, int th
     show s;
     daft_error error = {0};
     char text[1200], note[64];
-    users_frames best = {0};
+    users_frames best = {0}, peer = {0};
     fprintf(stderr, "%s, %d thread%s\n", row, threads, threads == 1 ? "" : "s");
     bool good = open_show(self, path, threads, smooth, &s, &error) && draw(&s, &s.view.camera) >= 0;
     for (int i = 0; good && i < (self->rounds ? self->rounds : 2); i++) {
         users_frames f;
         good = show_all(&s, &f);
         if (i == 0 || f.median < best.median) best = f;
+        users_peer(self, "scene", path, threads, smooth, &peer);
     }
     if (good) {
         draw(&s, &s.view.camera);
         snprintf(note, sizeof note, "a still one %.2f ms", draw(&s, &s.view.camera));
-        users_report(self, row, threads, &best, note, 0, 0);
+        users_report(self, row, threads, &best, &peer, note, 0, 0);
     } else {
         bench_note(self, true, "%s: %s", row, daft_error_text(&error, text, sizeof text));
     }

@@ -14,10 +14,17 @@ typedef struct users_frames {
 } users_frames;
 
 /* Adds the two rows. `note` stands before the effects; floor and aim are for the 95th percentile, in milliseconds; 0:
- * none. */
-void users_report(bench *self, const char *scene, int threads, const users_frames *f, const char *note, double floor,
-                  double aim);
+ * none. `peer`: frames 0 where there is none; beside it the median is to be 1.3 times as fast, and twice. */
+void users_report(bench *self, const char *scene, int threads, const users_frames *f, const users_frames *peer,
+                  const char *note, double floor, double aim);
 /* Whether the user asked for one of the two rows. */
 bool users_wants(bench *self, const char *scene);
+/* Where peers are asked for, runs llvmpipe on the scene or game (kind "scene" or "game"), with four samples a pixel or
+ * one; `best` is what it reached, unless that is slower than what it was. */
+void users_peer(bench *self, const char *kind, const char *name, int threads, bool smooth, users_frames *best);
+/* The number after "name": in a JSON text; negative where there is none. */
+double users_number(const char *json, const char *name);
+/* "frame_ms" of a JSON text; the rest is 0. */
+void users_read_times(const char *json, users_frames *out);
 
 #endif

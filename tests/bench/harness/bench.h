@@ -6,6 +6,7 @@
  *             (svg.c), meshes (models.c) and scenes (scenes.c) that both sides see, Embree (embree.c)
  *   frames/   users' frames: games.c, shown_scenes.c; whole frames against Embree (frames.c, embree_frame.c), growth.c
  *   rays/     camera rays (visibility.c, camera.c), shadow.c, rays.c, what a right pixel costs (accuracy.c), robust.c
+ *   llvmpipe/ users' frames by OpenGL, a program of its own
  *   load/     OBJ files, trees, memory     sim/   steps of the simulation, what a right motion costs */
 #ifndef DAFT_BENCH_H
 #define DAFT_BENCH_H

@@ -4,7 +4,8 @@
  *     <!-- /bench -->
  *
  * Rows are those of the JSON files whose "scene what" contains one of the patterns. `threads N` keeps rows of N
- * threads, `columns` gives each `what` a column of its own, `counters` adds what was counted. What stands between the
+ * threads, `what TEXT` those of this `what`, `columns` gives each `what` a column of its own, `counters` adds what was
+ * counted. What stands between the
  * two marks is replaced; a section without rows stays as it is, and is noted on stderr. */
 #include "bench.h"
 
@@ -24,6 +25,7 @@ enum { MAX_PATTERNS = 8, MAX_COLUMNS = 24 };
 
 typedef struct section {
     char patterns[MAX_PATTERNS][64];
+    char what[64];              /* empty: any */
     int pattern_count, threads; /* 0: any number */
     bool columns, counters;
 } section;
@@ -131,6 +133,7 @@ static section parse_section(const char *spec, size_t length)
     for (part = options ? strtok_r(options, ";", &save) : NULL; part; part = strtok_r(NULL, ";", &save)) {
         trim(part);
         if (strncmp(part, "threads ", 8) == 0) s.threads = atoi(part + 8);
+        if (strncmp(part, "what ", 5) == 0) snprintf(s.what, sizeof s.what, "%.63s", part + 5);
         s.columns |= strcmp(part, "columns") == 0, s.counters |= strcmp(part, "counters") == 0;
     }
     return s;
@@ -140,7 +143,7 @@ static bool chosen(const section *s, const table_row *r)
 {
     char name[160];
     snprintf(name, sizeof name, "%s %s", r->scene, r->what);
-    if (s->threads && s->threads != r->threads) return false;
+    if ((s->threads && s->threads != r->threads) || (s->what[0] && strcmp(s->what, r->what) != 0)) return false;
     for (int i = 0; i < s->pattern_count; i++)
         if (strstr(name, s->patterns[i])) return true;
     return false;

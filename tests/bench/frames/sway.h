@@ -1,0 +1,39 @@
+/* How the camera of a scene's rows moves, as a person looking around does: up to 40 cm along and 20 cm across, 6
+ * degrees to the sides, so that no frame repeats the one before. */
+#ifndef DAFT_BENCH_SWAY_H
+#define DAFT_BENCH_SWAY_H
+
+#include "daft.h"
+#include "math/trig.h"
+
+#include <stdlib.h>
+
+enum { SWAY_FRAMES = 120, SWAY_WIDTH = 1280, SWAY_HEIGHT = 720 };
+
+static inline daft_camera sway(const daft_camera *from, int frame)
+{
+    double turn = 2 * DAFT_PI * (frame + 0.5) / SWAY_FRAMES, along = 0.4 * daft_sin(turn),
+           across = 0.2 * daft_sin(2 * turn);
+    double c = daft_cos((double)from->yaw), s = daft_sin((double)from->yaw); /* yaw 0 looks along +X, positive turns to
+                                                                                +Z */
+    daft_camera camera = *from;
+    camera.position.x += along * c - across * s, camera.position.z += along * s + across * c;
+    camera.yaw += (float)(6 * DAFT_PI / 180 * daft_sin(turn));
+    return camera;
+}
+
+static inline int sway_by_time(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return x < y ? -1 : x > y;
+}
+
+/* The median and the 95th percentile; the times end up in order. */
+static inline double sway_median(double *ms, int count)
+{
+    qsort(ms, (size_t)count, sizeof ms[0], sway_by_time);
+    return ms[count / 2];
+}
+static inline double sway_p95(const double *sorted, int count) { return sorted[count * 95 / 100 - (count >= 20)]; }
+
+#endif

@@ -1,0 +1,137 @@
+/* llvmpipe: users' frames as OpenGL draws them without a GPU, by Mesa's rasterizer llvmpipe, in a program of its own
+ * (daft_llvmpipe), which daft_bench runs with --peers. It draws the engine's snapshots, so both show the same things:
+ * the same meshes, textures, materials, lights, sky and camera. It draws them as games do: buffers and textures stay
+ * on OpenGL's side; what is out of sight and what faces away is left out; one call draws all instances of a mesh, front
+ * to back; bilinear textures with mipmaps; light by pixel, Lambert and Phong; the sun's shadows by a map of 2048², nine
+ * taps, up to 60 m; the sky, also in mirrors and glass, from a cube map. Spots and point lights cast no shadows, and
+ * mirrors show nothing but the sky: there it does less than the engine.
+ *
+ *   main.c the command line, scenes and demos   peer.c a frame   shadow.c the sun's map   groups.c what is drawn
+ *   upload.c meshes, textures, the sky   programs.c shaders */
+#ifndef DAFT_BENCH_LLVMPIPE_H
+#define DAFT_BENCH_LLVMPIPE_H
+
+#define GL_GLEXT_PROTOTYPES
+#include <GL/gl.h>
+#include <GL/glext.h>
+
+#include "render/render.h"
+
+/* ---- upload.c ---- */
+
+/* Triangles of one material slot. */
+typedef struct peer_range {
+    uint32_t slot, first, count; /* indices */
+} peer_range;
+
+typedef struct peer_mesh {
+    const daft_trimesh *source; /* NULL: the unit sphere */
+    uint32_t triangle_count;
+    bool closed; /* its inner side is never seen */
+    GLuint array, vertices, indices;
+    peer_range *ranges;
+    uint32_t range_count;
+} peer_mesh;
+
+typedef struct peer_texture {
+    const uint8_t *source;
+    GLuint name;
+} peer_texture;
+
+typedef struct peer_assets {
+    daft_allocator allocator;
+    peer_mesh *meshes;
+    size_t mesh_count, mesh_capacity;
+    peer_texture *textures;
+    size_t texture_count, texture_capacity;
+    GLuint sky;
+    daft_sky shown; /* by that cube map */
+    int sky_levels;
+} peer_assets;
+
+/* The number of a mesh, uploaded when it is first met; UINT32_MAX: out of memory. */
+uint32_t peer_mesh_of(peer_assets *assets, const daft_trimesh *mesh);
+GLuint peer_texture_of(peer_assets *assets, const daft_texture_data *texture);
+/* The cube map of the sky; 0: out of memory. */
+GLuint peer_sky_of(peer_assets *assets, const daft_sky *sky);
+void peer_assets_free(peer_assets *assets);
+
+/* ---- groups.c ---- */
+
+/* Instances of one mesh that are drawn by one call. */
+typedef struct peer_group {
+    uint32_t mesh, range, material; /* range UINT32_MAX: all of the mesh */
+    uint32_t first, count;          /* in the buffer of placements */
+    float nearest;                  /* metres */
+    bool turned;                    /* some placement mirrors, so that triangles turn the other way */
+} peer_group;
+
+typedef struct peer_groups {
+    peer_group *items;
+    struct peer_item *parts;
+    float *placements; /* 12 each: the rows of an affine map */
+    size_t count, part_count, group_capacity, part_capacity, placement_capacity;
+    GLuint buffer;
+} peer_groups;
+
+/* Planes: a point p is inside where dot(xyz, p) + w >= 0. */
+typedef struct peer_planes {
+    float at[6][4];
+    int count;
+} peer_planes;
+
+/* What of the snapshot touches the planes' inside, nearest first. `casters`: what casts shadows, whatever its
+ * materials. False: out of memory. */
+bool peer_groups_fill(peer_groups *groups, peer_assets *assets, const daft_snapshot *snapshot,
+                      const peer_planes *inside, bool casters);
+void peer_group_draw(const peer_groups *groups, const peer_assets *assets, const peer_group *group);
+void peer_groups_free(peer_groups *groups, const daft_allocator *allocator);
+
+/* ---- programs.c ---- */
+
+enum { PEER_LIGHTS = 16 }; /* as many as one pixel is lit by; the scenes have up to six */
+
+/* What a surface's shader does: bits. */
+enum { PEER_TEXTURE = 1, PEER_SPECULAR = 2, PEER_MIRROR = 4, PEER_CLEAR = 8, PEER_PROGRAMS = 16 };
+
+/* A linked program, 0 where it fails, with a message. `lights`: how many the frame has of each kind; the first sun has
+ * the shadow map where `shadow` says so. */
+typedef struct peer_light_counts {
+    int suns, points, spots;
+    bool shadow;
+} peer_light_counts;
+GLuint peer_surface_program(uint32_t traits, const peer_light_counts *lights);
+GLuint peer_depth_program(void);
+GLuint peer_sky_program(void);
+
+/* ---- shadow.c ---- */
+
+typedef struct peer_shadow {
+    GLuint map, target, program;
+    peer_groups groups;
+    float from_frame[16]; /* to the map: x, y and depth, 0..1; column-major */
+} peer_shadow;
+
+bool peer_shadow_create(peer_shadow *shadow);
+/* Draws the map of a sun. False: out of memory. */
+bool peer_shadow_draw(peer_shadow *shadow, peer_assets *assets, const daft_snapshot *snapshot,
+                      const daft_light_source *sun);
+void peer_shadow_free(peer_shadow *shadow, const daft_allocator *allocator);
+
+/* ---- peer.c ---- */
+
+typedef struct peer peer;
+typedef struct peer_def {
+    int width, height, threads;
+    bool antialiased; /* four samples a pixel */
+} peer_def;
+
+/* NULL: a message says why. One at a time in a process. */
+peer *peer_create(const peer_def *def);
+void peer_destroy(peer *self);
+/* Draws, and waits until it is done. */
+bool peer_draw(peer *self, const daft_snapshot *snapshot);
+/* The picture: RGBA, top row first. */
+void peer_read(peer *self, uint8_t *rgba);
+
+#endif

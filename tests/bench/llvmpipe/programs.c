@@ -1,0 +1,164 @@
+/* The shaders. A surface's is compiled for what its material has and for the lights of the frame: no branch is left. */
+#include "llvmpipe/peer.h"
+
+#include <stdio.h>
+
+static const char SURFACE_VERTEX[] =
+    "layout(location = 0) in vec3 position;\n"
+    "layout(location = 1) in vec3 normal;\n"
+    "layout(location = 2) in vec2 uv;\n"
+    "layout(location = 3) in vec4 row0;\n"
+    "layout(location = 4) in vec4 row1;\n"
+    "layout(location = 5) in vec4 row2;\n"
+    "uniform mat4 view, shadow_from;\n"
+    "uniform vec2 map_scale;\n"
+    "out vec3 place, turned, under;\n"
+    "out vec2 at;\n"
+    "void main() {\n"
+    "    vec4 p = vec4(position, 1);\n"
+    "    place = vec3(dot(row0, p), dot(row1, p), dot(row2, p));\n"
+    "    turned = vec3(dot(cross(row1.xyz, row2.xyz), normal), dot(cross(row2.xyz, row0.xyz), normal),\n"
+    "                  dot(cross(row0.xyz, row1.xyz), normal));\n"
+    "    at = uv * map_scale;\n"
+    "    under = (shadow_from * vec4(place, 1)).xyz;\n"
+    "    gl_Position = view * vec4(place, 1);\n"
+    "}\n";
+
+static const char SURFACE_FRAGMENT[] =
+    "in vec3 place, turned, under;\n"
+    "in vec2 at;\n"
+    "out vec4 color;\n"
+    "uniform vec3 light_color[SUNS + POINTS + SPOTS + 1], light_at[SUNS + POINTS + SPOTS + 1];\n"
+    "uniform vec3 spot_axis[SPOTS + 1];\n"
+    "uniform vec2 spot_cone[SPOTS + 1];\n"
+    "uniform float range2[SUNS + POINTS + SPOTS + 1];\n"
+    "uniform vec3 ambient, emission, diffuse, specular, mirror, transmittance;\n"
+    "uniform float shininess, transmission, index, blur;\n"
+    "uniform sampler2D picture;\n"
+    "uniform sampler2DShadow shadow_map;\n"
+    "uniform samplerCube sky;\n"
+    "float sunlight() {\n"
+    "    float lit = 0;\n"
+    "    for (int y = -1; y <= 1; y++)\n"
+    "        for (int x = -1; x <= 1; x++) lit += texture(shadow_map, under + vec3(x, y, 0) / 2048);\n"
+    "    return lit / 9;\n"
+    "}\n"
+    "vec3 reflected(vec3 l, float cosine, vec3 n, vec3 eye, vec3 albedo) {\n"
+    "    vec3 sum = diffuse * albedo * cosine;\n"
+    "#ifdef SPECULAR\n"
+    "    sum += specular * pow(max(2 * cosine * dot(n, eye) - dot(l, eye), 1e-6), shininess);\n"
+    "#endif\n"
+    "    return cosine > 0 ? sum : vec3(0);\n"
+    "}\n"
+    "void main() {\n"
+    "    vec3 eye = -normalize(place), n = normalize(gl_FrontFacing ? turned : -turned);\n"
+    "#ifdef TEXTURE\n"
+    "    vec3 albedo = texture(picture, at).rgb;\n"
+    "#else\n"
+    "    vec3 albedo = vec3(1);\n"
+    "#endif\n"
+    "    vec3 sum = emission + ambient * albedo;\n"
+    "    for (int i = 0; i < SUNS; i++) {\n"
+    "        vec3 part = light_color[i] * reflected(light_at[i], dot(n, light_at[i]), n, eye, albedo);\n"
+    "#ifdef SHADOW\n"
+    "        if (i == 0) part *= sunlight();\n"
+    "#endif\n"
+    "        sum += part;\n"
+    "    }\n"
+    "    for (int i = SUNS; i < SUNS + POINTS + SPOTS; i++) {\n"
+    "        vec3 l = light_at[i] - place;\n"
+    "        float length2 = dot(l, l);\n"
+    "        l *= inversesqrt(length2);\n"
+    "        vec3 part = light_color[i] * reflected(l, dot(n, l), n, eye, albedo);\n"
+    "        if (i >= SUNS + POINTS) {\n"
+    "            int k = i - SUNS - POINTS;\n"
+    "            float t = clamp((dot(l, spot_axis[k]) - spot_cone[k].x) * spot_cone[k].y, 0, 1);\n"
+    "            part *= t * t * (3 - 2 * t);\n"
+    "        }\n"
+    "        float left = max(1 - length2 * range2[i], 0);\n"
+    "        sum += part * left * left;\n"
+    "    }\n"
+    "#ifdef MIRROR\n"
+    "    sum += mirror * textureLod(sky, reflect(-eye, n), blur).rgb;\n"
+    "#endif\n"
+    "#ifdef CLEAR\n"
+    "    float f0 = (index - 1) / (index + 1), away = 1 - max(dot(n, eye), 0);\n"
+    "    float fresnel = f0 * f0 + (1 - f0 * f0) * away * away * away * away * away;\n"
+    "    vec3 through = transmittance * textureLod(sky, refract(-eye, n, 1 / index), blur).rgb;\n"
+    "    sum += mix(through, transmission * textureLod(sky, reflect(-eye, n), blur).rgb, fresnel);\n"
+    "#endif\n"
+    "    color = vec4(sum, 1);\n"
+    "}\n";
+
+static const char DEPTH_VERTEX[] = "layout(location = 0) in vec3 position;\n"
+                                   "layout(location = 3) in vec4 row0;\n"
+                                   "layout(location = 4) in vec4 row1;\n"
+                                   "layout(location = 5) in vec4 row2;\n"
+                                   "uniform mat4 view;\n"
+                                   "void main() {\n"
+                                   "    vec4 p = vec4(position, 1);\n"
+                                   "    gl_Position = view * vec4(dot(row0, p), dot(row1, p), dot(row2, p), 1);\n"
+                                   "}\n";
+
+static const char DEPTH_FRAGMENT[] = "void main() {}\n";
+
+/* One triangle over the whole picture, behind everything. */
+static const char SKY_VERTEX[] = "uniform vec3 right, up, forward;\n"
+                                 "out vec3 towards;\n"
+                                 "void main() {\n"
+                                 "    vec2 p = vec2(gl_VertexID == 1 ? 3 : -1, gl_VertexID == 2 ? 3 : -1);\n"
+                                 "    towards = right * p.x + up * p.y + forward;\n"
+                                 "    gl_Position = vec4(p, 1, 1);\n"
+                                 "}\n";
+
+static const char SKY_FRAGMENT[] = "in vec3 towards;\n"
+                                   "out vec4 color;\n"
+                                   "uniform samplerCube sky;\n"
+                                   "void main() { color = vec4(textureLod(sky, towards, 0).rgb, 1); }\n";
+
+static GLuint compile(GLenum kind, const char *head, const char *body)
+{
+    const char *const parts[] = {"#version 330 core\n", head, body};
+    GLuint shader = glCreateShader(kind);
+    GLint good = 0;
+    glShaderSource(shader, 3, parts, NULL);
+    glCompileShader(shader);
+    glGetShaderiv(shader, GL_COMPILE_STATUS, &good);
+    if (good) return shader;
+    char log[2000] = "";
+    glGetShaderInfoLog(shader, sizeof log, NULL, log);
+    fprintf(stderr, "daft_llvmpipe: a shader does not compile:\n%s", log);
+    glDeleteShader(shader);
+    return 0;
+}
+
+static GLuint link_program(const char *head, const char *vertex, const char *fragment)
+{
+    GLuint program = glCreateProgram(), v = compile(GL_VERTEX_SHADER, head, vertex),
+           f = compile(GL_FRAGMENT_SHADER, head, fragment);
+    GLint good = 0;
+    if (v && f) {
+        glAttachShader(program, v), glAttachShader(program, f);
+        glLinkProgram(program);
+        glGetProgramiv(program, GL_LINK_STATUS, &good);
+    }
+    glDeleteShader(v), glDeleteShader(f);
+    if (good) return program;
+    fprintf(stderr, "daft_llvmpipe: a program does not link\n");
+    glDeleteProgram(program);
+    return 0;
+}
+
+GLuint peer_surface_program(uint32_t traits, const peer_light_counts *lights)
+{
+    char head[256];
+    snprintf(head, sizeof head, "#define SUNS %d\n#define POINTS %d\n#define SPOTS %d\n%s%s%s%s%s", lights->suns,
+             lights->points, lights->spots, lights->shadow ? "#define SHADOW\n" : "",
+             traits & PEER_TEXTURE ? "#define TEXTURE\n" : "", traits & PEER_SPECULAR ? "#define SPECULAR\n" : "",
+             traits & PEER_MIRROR ? "#define MIRROR\n" : "", traits & PEER_CLEAR ? "#define CLEAR\n" : "");
+    return link_program(head, SURFACE_VERTEX, SURFACE_FRAGMENT);
+}
+
+GLuint peer_depth_program(void) { return link_program("", DEPTH_VERTEX, DEPTH_FRAGMENT); }
+
+GLuint peer_sky_program(void) { return link_program("", SKY_VERTEX, SKY_FRAGMENT); }
