@@ -206,7 +206,12 @@ static bool render(game_state *state, daft_image *picture, float alpha)
 
 bool game_draw(game_state *state, daft_image *picture, float alpha)
 {
-    return !state->failed && render(state, picture, alpha) && game_draw_over(state, picture);
+    return game_render(state, picture, alpha) && game_draw_over(state, picture);
+}
+
+bool game_render(game_state *state, daft_image *picture, float alpha)
+{
+    return !state->failed && render(state, picture, alpha);
 }
 
 bool game_draw_over(game_state *state, daft_image *picture)

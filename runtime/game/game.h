@@ -64,7 +64,9 @@ bool game_tick(game_state *state);
 /* Renders the scene and runs daft.draw over it; alpha interpolates between the last two ticks. False when the game has
  * failed. */
 bool game_draw(game_state *state, daft_image *picture, float alpha);
-/* Runs daft.draw alone over the picture, without the scene: for a frame that nobody sees. */
+/* The first half of it: the scene alone. */
+bool game_render(game_state *state, daft_image *picture, float alpha);
+/* The second: runs daft.draw over the picture. */
 bool game_draw_over(game_state *state, daft_image *picture);
 uint64_t game_hash(const game_state *state);
 /* True while the recording has ticks left. */

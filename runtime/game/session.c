@@ -24,7 +24,7 @@ enum { HASH_TICKS = 60 };
 
 typedef struct session {
     const session_def *def;
-    session_def now; /* with the picture's size as the governor wants it */
+    session_def now; /* with the size of the scene's picture as the governor wants it */
     const game_info *info;
     const game_source *source;
     governor pace;
@@ -41,9 +41,9 @@ typedef struct session {
     saves *kept, *own; /* the game's; the program's */
     player_settings settings;
     pause_menu pause;
-    bool redraws; /* while it pauses: the picture is to change */
-    bool paced;   /* the player has set something in this session */
-    daft_image *picture;
+    bool redraws;                /* while it pauses: the picture is to change */
+    bool paced;                  /* the player has set something in this session */
+    daft_image *picture, *small; /* the window's; the scene's, where it has fewer pixels */
     daft_history *history;
     loop clock;
     uint64_t last_ns;
@@ -93,6 +93,18 @@ void session_scale_mouse(platform *screen, input_event *event)
     event->y *= CANVAS_HEIGHT;
 }
 
+/* Puts the panel where it covers least of the game's text, as far left as may be. */
+static void place_overlay(const session *s, canvas *over)
+{
+    enum { WIDTH = 312, HEIGHT = 640, STEPS = 8 };
+    int fewest = MARK_ROWS * MARK_COLUMNS;
+    for (int i = 0; i <= STEPS; i++) {
+        const float x = (canvas_hud_width(over) - WIDTH) * (float)i / STEPS;
+        const int marks = canvas_count_marks(&s->play->scripts.texts, x, 0, WIDTH, HEIGHT);
+        if (marks < fewest) fewest = marks, over->origin_x = x * over->unit;
+    }
+}
+
 static void draw_overlay(session *s)
 {
     overlay_figures figures = {.frames_per_second = s->turn_ms > 0 ? 1000 / s->turn_ms : 0,
@@ -109,21 +121,35 @@ static void draw_overlay(session *s)
         snprintf(quality, sizeof quality, "%s for %.1f ms: %s", governor_rung_at(g->rung)->name, g->target_ms, g->why);
         figures.quality = quality, figures.slow_ms = governor_slow_ms(g);
     }
+    place_overlay(s, &over);
     screen_overlay(&over, s->def->face, &figures);
 }
 
 static double smooth(double before, double now) { return before > 0 ? before * 0.95 + now * 0.05 : now; }
 
+/* The scene, perhaps with fewer pixels than the window has; the panel; and over it what the game draws, which the panel
+ * must not cover. */
+static bool draw_game(session *s, float alpha, daft_error *error)
+{
+    const bool fewer = s->now.scale < s->def->scale;
+    if (fewer && !session_fit_picture(&s->now, &s->small, error)) return false;
+    if (!game_render(s->play, fewer ? s->small : s->picture, alpha)) return false;
+    if (fewer) canvas_stretch(s->small, s->picture);
+    if (s->overlay) draw_overlay(s);
+    return game_draw_over(s->play, s->picture);
+}
+
 /* Draws the game, or the error that stopped it. */
 static bool draw(session *s, float alpha, daft_error *error)
 {
-    if (!session_fit_picture(&s->now, &s->picture, error)) return false;
+    if (!session_fit_picture(s->def, &s->picture, error)) return false;
     uint64_t began = clock_now_ns();
-    if (game_draw(s->play, s->picture, alpha)) {
+    const bool drawn = draw_game(s, alpha, error);
+    if (!drawn && !s->play->failed) return false;
+    if (drawn) {
         double ms = (double)(clock_now_ns() - began) / 1e6;
         s->frame_ms = smooth(s->frame_ms, ms), s->drawn_ms += ms;
         if (s->def->stats) frame_times_add(&s->times, ms, daft_scene_counters(s->play->scene));
-        if (s->overlay) draw_overlay(s);
     } else {
         canvas over = canvas_over(s->picture);
         screen_error(&over, s->def->face, s->info->title, s->play->scripts.message, s->play->scripts.trace);
@@ -417,7 +443,7 @@ static bool turn_paused(session *s, daft_error *error)
 {
     platform *screen = s->def->screen;
     int width, height;
-    session_picture_size(&s->now, &width, &height);
+    session_picture_size(s->def, &width, &height);
     s->redraws |= !s->picture || width != daft_image_width(s->picture) || height != daft_image_height(s->picture);
     s->last_ns = screen->now_ns(screen);
     grab_mouse(s, false);
@@ -583,6 +609,7 @@ session_end session_play(const session_def *def, const game_info *info, daft_err
     recorder_free(s.record);
     recording_free(&s.replay);
     daft_image_destroy(s.picture);
+    daft_image_destroy(s.small);
     frame_times_free(&s.times);
     trail_free(&s.past);
     if (!good || failed) return SESSION_FAILED;

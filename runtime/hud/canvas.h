@@ -11,10 +11,26 @@
 
 enum { CANVAS_HEIGHT = 720 };
 
+/* Pixels; right and bottom are outside. */
+typedef struct canvas_box {
+    int left, top, right, bottom;
+} canvas_box;
+
+/* Squares of MARK_UNITS in which something is, over the first 3,200 units across. */
+enum { MARK_UNITS = 20, MARK_ROWS = CANVAS_HEIGHT / MARK_UNITS, MARK_COLUMNS = 160 };
+
+typedef struct canvas_marks {
+    bool at[MARK_ROWS][MARK_COLUMNS];
+} canvas_marks;
+
 typedef struct canvas {
     uint8_t *pixels; /* RGBA, top row first */
     int width, height;
-    float unit; /* pixels a HUD unit */
+    float unit;               /* pixels a HUD unit */
+    float origin_x, origin_y; /* pixels: where 0, 0 is */
+    bool clipped;             /* to `clip` */
+    canvas_box clip;
+    canvas_marks *marks; /* where text has been drawn; or NULL */
     /* Whether to leave out what is still to be drawn; asked now and then. NULL: never. */
     bool (*stops)(void *user);
     void *user;
@@ -26,8 +42,58 @@ typedef struct canvas_color {
 
 canvas canvas_over(daft_image *image);
 bool canvas_stops(const canvas *target);
+/* What may be drawn to: the picture, or what canvas_clip has left of it. */
+canvas_box canvas_bounds(const canvas *target);
+/* From here on nothing is drawn outside. */
+void canvas_clip(canvas *target, float x, float y, float width, float height);
+void canvas_unclip(canvas *target);
+/* From here on coordinates go from 0, 0 to width, height, as large as fits, in the middle; canvas_reset takes it back.
+ */
+void canvas_fit(canvas *target, float width, float height);
+void canvas_reset(canvas *target);
+/* Marks the squares that the box covers, in pixels. */
+void canvas_mark(const canvas *target, float left, float top, float right, float bottom);
+/* How many squares of the box, in HUD units of the whole picture, are marked. */
+int canvas_count_marks(const canvas_marks *marks, float x, float y, float width, float height);
 float canvas_hud_width(const canvas *target);
 void canvas_rect(const canvas *target, float x, float y, float width, float height, canvas_color color);
+
+/* One pixel within the bounds, so far covered, 0 to 1. */
+void canvas_blend(const canvas *target, int x, int y, canvas_color color, float covered);
+
+/* ---- shapes (shapes.c): antialiased; more than 16,384 edges draw nothing ---- */
+
+typedef struct canvas_point {
+    float x, y;
+} canvas_point;
+
+/* What the points enclose; where it overlaps itself the same way round, once. */
+void canvas_polygon(const canvas *target, const canvas_point *points, size_t count, canvas_color color);
+/* A disc; with a width, a ring of it, its middle at the radius. */
+void canvas_circle(const canvas *target, float x, float y, float radius, float width, canvas_color color);
+/* Through the points, with round corners. */
+void canvas_line(const canvas *target, const canvas_point *points, size_t count, bool closed, float width,
+                 canvas_color color);
+
+/* ---- pictures (sprite.c) ---- */
+
+typedef struct canvas_sprite {
+    float source_x, source_y, source_width, source_height; /* pixels of the image */
+    float width, height;                                   /* HUD units, as drawn */
+    float scale;                                           /* units a pixel of the border */
+    float rotation;                                        /* radians, clockwise */
+    float origin_x, origin_y; /* what is put at x, y and turned about: 0 left or top, 1 right or bottom */
+    float border;             /* pixels at each edge that are not stretched */
+    canvas_color tint;        /* multiplies */
+    bool smooth;              /* else its pixels are squares */
+} canvas_sprite;
+
+/* The whole image, a unit for a pixel. */
+canvas_sprite canvas_default_sprite(const daft_image *image);
+/* The source must lie within the image. */
+void canvas_draw_sprite(const canvas *target, const daft_image *image, float x, float y, const canvas_sprite *sprite);
+/* Fills `to` with `from`, which is no larger. */
+void canvas_stretch(const daft_image *from, daft_image *to);
 
 /* ---- text (text.c) ---- */
 

@@ -169,11 +169,14 @@ float text_width(const font *face, const char *text, float size)
 
 static void draw_glyph(const canvas *target, const glyph *letter, int x, int y, canvas_color color)
 {
+    const canvas_box clip = canvas_bounds(target);
     if (!letter->coverage) return;
     x += letter->x, y += letter->y;
-    int left = x < 0 ? -x : 0, top = y < 0 ? -y : 0;
-    int right = target->width - x < letter->width ? target->width - x : letter->width;
-    int bottom = target->height - y < letter->height ? target->height - y : letter->height;
+    const int left = x < clip.left ? clip.left - x : 0, top = y < clip.top ? clip.top - y : 0;
+    const int right = clip.right - x < letter->width ? clip.right - x : letter->width;
+    const int bottom = clip.bottom - y < letter->height ? clip.bottom - y : letter->height;
+    if (left < right && top < bottom)
+        canvas_mark(target, (float)(x + left), (float)(y + top), (float)(x + right), (float)(y + bottom));
     for (int row = top; row < bottom; row++) {
         const unsigned char *coverage = letter->coverage + (size_t)row * (size_t)letter->width;
         uint8_t *pixel = target->pixels + 4 * ((size_t)(y + row) * (size_t)target->width + (size_t)(x + left));
@@ -193,7 +196,8 @@ static void draw_line(const canvas *target, font *face, const char *text, const 
     int pixels = (int)(style->size * target->unit + 0.5f);
     pixels = pixels < 1 ? 1 : pixels > LARGEST_PIXELS ? LARGEST_PIXELS : pixels;
     float scale = units_scale(face, style->size) * target->unit;
-    float pen = x * target->unit, base = y * target->unit + (float)face->file.ascent * scale;
+    float pen = target->origin_x + x * target->unit,
+          base = target->origin_y + y * target->unit + (float)face->file.ascent * scale;
     int line = line_advance(face, text, end);
     if (style->align != TEXT_LEFT) pen -= (float)line * scale * (style->align == TEXT_CENTER ? 0.5f : 1.0f);
     /* Reject far coordinates and NaN before converting to int. */

@@ -9,13 +9,13 @@
 #include <stdio.h>
 #include <string.h>
 
-static const api_area *const AREAS[] = {&api_entity,   &api_body,  &api_joint,   &api_character, &api_query,
-                                        &api_material, &api_light, &api_camera,  &api_input,     &api_hud,
-                                        &api_time,     &api_world, &api_picture, &api_save,      &api_sound};
+static const api_area *const AREAS[] = {
+    &api_entity, &api_body, &api_joint, &api_character, &api_query, &api_material, &api_light, &api_camera,
+    &api_input,  &api_hud,  &api_draw,  &api_time,      &api_world, &api_picture,  &api_save,  &api_sound};
 
 static const char *const CALLBACKS[] = {"load", "update", "draw", "keypressed", "keyreleased"};
-static const char *const TYPES[API_TYPES] = {"entity",    "light",   "material", "mesh",  "joint",
-                                             "character", "picture", "sound",    "voice", "font"};
+static const char *const TYPES[API_TYPES] = {"entity",  "light", "material", "mesh", "joint", "character",
+                                             "picture", "sound", "voice",    "font", "image"};
 
 /* Registry keys: the addresses of these. */
 static const char DAFT_KEY, ENTITIES_KEY;
@@ -301,8 +301,10 @@ static void register_type(lua_State *L, api_type type)
         lua_pushcclosure(L, api_release_handle, 1);
         lua_setfield(L, -2, "__gc");
     }
-    static const lua_CFunction RELEASES[API_TYPES] = {
-        [API_PICTURE] = api_release_picture, [API_SOUND] = api_release_sound, [API_FONT] = api_release_font};
+    static const lua_CFunction RELEASES[API_TYPES] = {[API_PICTURE] = api_release_picture,
+                                                      [API_SOUND] = api_release_sound,
+                                                      [API_FONT] = api_release_font,
+                                                      [API_IMAGE] = api_release_image};
     if (RELEASES[type]) {
         lua_pushcfunction(L, RELEASES[type]);
         lua_setfield(L, -2, "__gc");

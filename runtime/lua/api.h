@@ -34,7 +34,7 @@ typedef struct api_area {
 } api_area;
 
 extern const api_area api_entity, api_body, api_joint, api_character, api_query, api_material, api_light, api_camera,
-    api_input, api_hud, api_time, api_world, api_picture, api_save, api_sound;
+    api_input, api_hud, api_draw, api_time, api_world, api_picture, api_save, api_sound;
 /* All areas, for registration and for the reference. */
 const api_area *const *api_areas(size_t *count);
 
@@ -106,6 +106,7 @@ typedef enum api_type {
     API_SOUND,
     API_VOICE,
     API_FONT,
+    API_IMAGE,
     API_TYPES
 } api_type;
 
@@ -136,6 +137,8 @@ int api_release_handle(lua_State *L);
 int api_release_picture(lua_State *L);
 /* __gc of sounds. */
 int api_release_sound(lua_State *L);
+/* __gc of images. */
+int api_release_image(lua_State *L);
 /* __gc of fonts. */
 int api_release_font(lua_State *L);
 

@@ -412,7 +412,8 @@ static bool drawing_stops(void *user) { return host_stopping(user); }
 bool host_draw(host *state, const canvas *picture)
 {
     canvas over = *picture;
-    over.stops = drawing_stops, over.user = state;
+    over.stops = drawing_stops, over.user = state, over.marks = &state->texts;
+    state->texts = (canvas_marks){0};
     state->hud_width = canvas_hud_width(picture);
     state->picture = &over;
     bool good = call(state, "daft.draw", (request){.callback = "draw"});

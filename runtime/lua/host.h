@@ -53,8 +53,9 @@ typedef struct host {
     random_state random;      /* of the game */
     random_state draw_random; /* of daft.draw, which must not change what the game does */
     uint64_t tick;
-    const canvas *picture;       /* while daft.draw runs */
+    canvas *picture;             /* while daft.draw runs */
     float hud_width;             /* of the last picture */
+    canvas_marks texts;          /* where its texts are */
     bool replaying;              /* daft.input.set does nothing: the recording has what it did */
     bool quit, restart, grab;    /* wishes of the script */
     double target_ms;            /* that a frame may take; 0: any; below 0: the script has not said */
@@ -73,7 +74,7 @@ typedef struct host {
     uint32_t tasks;             /* that run or wait, at most */
     mixer mixer;                /* what sounds */
     uint32_t sounds, music;     /* made so far; the voice of the music */
-    uint32_t fonts;             /* made so far */
+    uint32_t fonts, images;     /* made so far */
     char message[HOST_MESSAGE], trace[HOST_TRACE]; /* of the last error */
     char inner[HOST_TRACE / 2]; /* the stack of the coroutine in which an error began that is on its way; or empty */
 } host;

@@ -117,16 +117,6 @@ static int height_of_text(lua_State *L, host *h)
 
 /* ---- the rest ---- */
 
-static int rect(lua_State *L, host *h)
-{
-    float x = api_float(L, h, 1, "x"), y = api_float(L, h, 2, "y");
-    float w = api_float(L, h, 3, "width"), tall = api_float(L, h, 4, "height");
-    canvas_color color = {255, 255, 255, 255};
-    if (!lua_isnoneornil(L, 5)) color = api_hud_color(L, h, 5, "color");
-    canvas_rect(h->picture, x, y, w, tall, color);
-    return 0;
-}
-
 static int width(lua_State *L, host *h)
 {
     lua_pushnumber(L, (double)h->hud_width);
@@ -150,7 +140,6 @@ static const api_function FUNCTIONS[] = {
      "A TrueType file (.ttf) of the game's, for daft.text{font =}. The program's own font has Latin, Greek and\n"
      "Cyrillic letters. It holds the file and 4 MB while the game holds it.",
      make_font, API_CHANGES},
-    {"rect", "(x, y, width, height [, color])", "A filled rectangle; \"#rrggbbaa\" shines through.", rect, API_DRAWS},
     {"text_width", "(string [, size [, font]]) -> number", "Of the widest line.", width_of_text, 0},
     {"text_height", "(string, width [, size [, font]]) -> number", "Of the lines that it is broken into.",
      height_of_text, 0},
@@ -158,4 +147,4 @@ static const api_function FUNCTIONS[] = {
     {"height", "() -> 720", "The picture's height in units.", height, 0},
 };
 
-const api_area api_hud = {"Drawing over the picture", FUNCTIONS, COUNT_OF(FUNCTIONS)};
+const api_area api_hud = {"Text over the picture", FUNCTIONS, COUNT_OF(FUNCTIONS)};

@@ -518,6 +518,14 @@ static void the_picture_follows_the_window(void **unused)
     play("sample");
     assert_int_equal(s.screen.picture_width, 80);
     tear_down();
+    /* Where frames must be cheap the scene gets fewer pixels, but not what is drawn over it. */
+    const happening late[] = {{0, "size", 640, 360}, {60, "+escape", 0, 0}};
+    PLAY(late);
+    s.def.target_ms = 0.001;
+    play("sample");
+    assert_int_equal(s.screen.picture_width, 640);
+    assert_int_equal(s.screen.picture_height, 360);
+    tear_down();
 }
 
 /* A broken game shows its error and stays; R reloads it; Esc leaves as ever. */
