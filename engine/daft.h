@@ -475,10 +475,24 @@ typedef struct daft_transform {
 
 /* Local to the parent. Setting keeps the pose of the last tick, so drawing interpolates; `teleport` drops it. */
 DAFT_API bool daft_entity_get_transform(daft_scene *scene, daft_entity entity, daft_transform *out, daft_error *error);
-/* Where it is in the world, whatever it hangs on. */
-DAFT_API bool daft_entity_get_world_position(daft_scene *scene, daft_entity entity, daft_dvec3 *out, daft_error *error);
 DAFT_API bool daft_entity_set_transform(daft_scene *scene, daft_entity entity, const daft_transform *transform,
                                         bool teleport, daft_error *error);
+/* The same in the world, whatever it hangs on. Where a parent of uneven scale shears it, its own X axis keeps its
+ * direction and the scale is the axes' lengths. Setting fails where a parent's scale is 0. */
+DAFT_API bool daft_entity_get_world_transform(daft_scene *scene, daft_entity entity, daft_transform *out,
+                                              daft_error *error);
+DAFT_API bool daft_entity_set_world_transform(daft_scene *scene, daft_entity entity, const daft_transform *transform,
+                                              bool teleport, daft_error *error);
+/* Hangs it, with its children, on another entity; none: on the world. Its world transform stays, and with it what
+ * drawing interpolates from. Fails for a body, under itself or its own children, under a parent whose scale is 0, and
+ * for spheres under uneven scales. */
+DAFT_API bool daft_entity_set_parent(daft_scene *scene, daft_entity entity, daft_entity parent, daft_error *error);
+/* None: it has no parent, or is stale. */
+DAFT_API daft_entity daft_entity_get_parent(const daft_scene *scene, daft_entity entity);
+/* Writes the first `capacity` of its own children, those that came first first, and returns how many there are; 0 where
+ * it is stale. `out` may be NULL where `capacity` is 0. */
+DAFT_API uint32_t daft_entity_children(const daft_scene *scene, daft_entity entity, daft_entity *out,
+                                       uint32_t capacity);
 /* None: the mesh's own materials, or the default one. */
 DAFT_API bool daft_entity_set_material(daft_scene *scene, daft_entity entity, daft_material material,
                                        daft_error *error);
@@ -651,6 +665,9 @@ typedef struct daft_camera {
 DAFT_API daft_camera daft_default_camera(void); /* at the origin, fov 90 degrees */
 /* Level, at `from`, looking at `at`; along +X where the two are one point or not finite. fov: radians. */
 DAFT_API daft_camera daft_camera_look_at(daft_dvec3 from, daft_dvec3 at, float fov);
+/* The direction, of length 1, in which a point of the camera's picture lies: x and y go from 0, 0 in the upper left
+ * corner to 1, 1; `aspect` is the picture's height over its width. */
+DAFT_API daft_vec3 daft_camera_ray(const daft_camera *camera, double x, double y, double aspect);
 /* The cameras a scene file names, in its order; the first is the one that is set. */
 DAFT_API uint32_t daft_scene_camera_count(const daft_scene *scene);
 DAFT_API bool daft_scene_get_camera(const daft_scene *scene, uint32_t index, daft_camera *out, daft_error *error);
@@ -681,6 +698,16 @@ DAFT_API bool daft_path_camera(const daft_checkpoint *points, uint32_t count, da
 DAFT_API uint32_t daft_scene_path_count(const daft_scene *scene);
 DAFT_API bool daft_scene_get_checkpoint(const daft_scene *scene, uint32_t index, daft_checkpoint *out,
                                         daft_error *error);
+
+/* An entity that a scene file names. */
+typedef struct daft_named_entity {
+    const char *name; /* lives as long as the scene */
+    daft_entity entity;
+} daft_named_entity;
+
+/* In the order of the files. Two may have the same name, and one may have been destroyed since. */
+DAFT_API uint32_t daft_scene_named_count(const daft_scene *scene);
+DAFT_API bool daft_scene_get_named(const daft_scene *scene, uint32_t index, daft_named_entity *out, daft_error *error);
 
 typedef enum daft_light_kind { DAFT_LIGHT_POINT = 0, DAFT_LIGHT_SUN, DAFT_LIGHT_SPOT } daft_light_kind;
 

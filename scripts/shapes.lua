@@ -128,11 +128,13 @@ function shapes.torus(t)
         profile[#profile + 1] = { r + w * c, w * s, c, s }
     end
     local parts, pieces = {}, 16
-    local length, lean = 2 * r * math.sin(math.pi / pieces) + d, math.sqrt(0.5)
+    -- Their middles are as far inside the ring's middle line as their ends are outside.
+    local inside, lean = r * (1 + math.cos(math.pi / pieces)) / 2, math.sqrt(0.5)
+    local length = 2 * inside * math.tan(math.pi / pieces) + d
     for i = 1, t.body == "dynamic" and pieces or 0 do
         local angle = 2 * math.pi * (i - 0.5) / pieces
         parts[i] = { capsule = { radius = w, height = length },
-            position = { r * math.cos(angle), 0, r * math.sin(angle) },
+            position = { inside * math.cos(angle), 0, inside * math.sin(angle) },
             rotation = { lean * math.cos(angle), 0, lean * math.sin(angle), lean } } -- from upright to along the ring
     end
     return entity(t, SIZES, mesh("torus", { r, d }, profile, sides), #parts > 0 and parts or "mesh")

@@ -21,15 +21,34 @@ daft_camera daft_camera_look_at(daft_dvec3 from, daft_dvec3 at, float fov)
 }
 
 /* Roll leans right: up tilts towards right, so the horizon turns counter-clockwise in the picture. */
-void daft_camera_axes(const daft_camera *camera, daft_vec3 *right, daft_vec3 *up, daft_vec3 *forward)
+static void exact_axes(const daft_camera *camera, daft_dvec3 *right, daft_dvec3 *up, daft_dvec3 *forward)
 {
     double cy = daft_cos((double)camera->yaw), sy = daft_sin((double)camera->yaw);
     double cp = daft_cos((double)camera->pitch), sp = daft_sin((double)camera->pitch);
     double cr = daft_cos((double)camera->roll), sr = daft_sin((double)camera->roll);
     daft_dvec3 f = daft_dv3(cp * cy, -sp, cp * sy), r = daft_dv3(-sy, 0, cy), u = daft_dcross(r, f);
-    *forward = daft_to_float(f);
-    *right = daft_to_float(daft_dsub(daft_dscale(r, cr), daft_dscale(u, sr)));
-    *up = daft_to_float(daft_dadd(daft_dscale(u, cr), daft_dscale(r, sr)));
+    *forward = f;
+    *right = daft_dsub(daft_dscale(r, cr), daft_dscale(u, sr));
+    *up = daft_dadd(daft_dscale(u, cr), daft_dscale(r, sr));
+}
+
+void daft_camera_axes(const daft_camera *camera, daft_vec3 *right, daft_vec3 *up, daft_vec3 *forward)
+{
+    daft_dvec3 r, u, f;
+    exact_axes(camera, &r, &u, &f);
+    *right = daft_to_float(r), *up = daft_to_float(u), *forward = daft_to_float(f);
+}
+
+daft_vec3 daft_camera_ray(const daft_camera *camera, double x, double y, double aspect)
+{
+    daft_dvec3 r, u, f;
+    if (!camera || !daft_check_camera(NULL, "camera", camera)) return daft_v3(1, 0, 0);
+    exact_axes(camera, &r, &u, &f);
+    const double across = daft_tan((double)camera->fov / 2), a = (2 * x - 1) * across,
+                 b = (1 - 2 * y) * across * aspect;
+    const daft_dvec3 d = daft_dadd(f, daft_dadd(daft_dscale(r, a), daft_dscale(u, b)));
+    const double length = sqrt(daft_ddot(d, d));
+    return isfinite(length) ? daft_to_float(daft_dscale(d, 1 / length)) : daft_to_float(f);
 }
 
 /* ---- the camera in use ---- */

@@ -234,6 +234,7 @@ void daft_scene_destroy(daft_scene *scene)
     daft_release(allocator, scene->lights);
     daft_release(allocator, scene->cameras);
     daft_release(allocator, scene->path);
+    daft_names_free(scene);
     daft_scene_files_free(scene);
     daft_release(allocator, scene->moving);
     daft_arena_free(&scene->query.arena);

@@ -1,5 +1,5 @@
-/* Entities: made, moved, destroyed. The hierarchy is kept as index links: parent, first child, siblings. A parent is
- * given at birth and never changes, so there are no cycles. */
+/* Entities: made, moved, destroyed. The hierarchy is kept as index links: parent, first child, siblings; what changes
+ * them later is in hierarchy.c. */
 #include "scene/scene.h"
 
 #include <stdio.h>
@@ -32,7 +32,7 @@ daft_entity_item *daft_entity_change(const daft_scene *scene, daft_entity entity
 
 /* ---- checks ---- */
 
-static bool transform_check(const daft_transform *transform, daft_error *error)
+bool daft_transform_check(const daft_transform *transform, daft_error *error)
 {
     return daft_check_finite_position(error, "position", transform->position) &&
            daft_check_rotation(error, "rotation", transform->rotation) &&
@@ -83,7 +83,7 @@ bool daft_entities_reserve(daft_scene *scene, uint32_t more, daft_error *error)
            daft_fail_memory(error, "the list of entities");
 }
 
-static void link_child(daft_scene *scene, uint32_t parent, uint32_t child)
+void daft_entity_link(daft_scene *scene, uint32_t parent, uint32_t child)
 {
     daft_entity_item *above = &scene->entities[parent], *item = &scene->entities[child];
     item->parent = parent;
@@ -114,7 +114,7 @@ daft_entity daft_entity_insert(daft_scene *scene, const daft_entity_def *def, ui
     item->now = (daft_transform){.position = def->position, .rotation = unit(def->rotation), .scale = def->scale};
     item->before = item->now;
     item->moved_tick = scene->tick;
-    if (def->parent.id) link_child(scene, daft_slots_find(&scene->entity_slots, def->parent.id), index);
+    if (def->parent.id) daft_entity_link(scene, daft_slots_find(&scene->entity_slots, def->parent.id), index);
     if (daft_body_moves(def->body)) {
         item->moving_slot = scene->moving_count;
         scene->moving[scene->moving_count++] = index;
@@ -153,7 +153,7 @@ daft_entity daft_entity_create(daft_scene *scene, const daft_entity_def *def, da
 
 /* ---- death ---- */
 
-static void unlink_child(daft_scene *scene, const daft_entity_item *item)
+void daft_entity_unlink(daft_scene *scene, const daft_entity_item *item)
 {
     if (item->next != DAFT_NONE) scene->entities[item->next].previous = item->previous;
     if (item->previous != DAFT_NONE)
@@ -165,7 +165,7 @@ static void unlink_child(daft_scene *scene, const daft_entity_item *item)
 static void remove_leaf(daft_scene *scene, uint32_t index)
 {
     daft_entity_item *item = &scene->entities[index];
-    unlink_child(scene, item);
+    daft_entity_unlink(scene, item);
     daft_body_destroy(scene, index);
     if (item->box != DAFT_NONE) daft_box_drop(scene, item->box);
     daft_slots_remove(&scene->entity_slots, index);
@@ -206,22 +206,8 @@ bool daft_entity_get_transform(daft_scene *scene, daft_entity entity, daft_trans
     return true;
 }
 
-bool daft_entity_get_world_position(daft_scene *scene, daft_entity entity, daft_dvec3 *out, daft_error *error)
-{
-    daft_error_clear(error);
-    const daft_entity_item *item = daft_entity_find(scene, entity, error);
-    if (!item || !daft_check_pointer(error, "out", out)) return false;
-    daft_daffine own = daft_daffine_from(&item->now);
-    for (uint32_t at = item->parent; at != DAFT_NONE; at = scene->entities[at].parent) {
-        const daft_daffine outer = daft_daffine_from(&scene->entities[at].now);
-        own = daft_daffine_compose(&outer, &own);
-    }
-    *out = (daft_dvec3){own.t[0], own.t[1], own.t[2]};
-    return true;
-}
-
 /* The next entity of a subtree in depth-first order, or DAFT_NONE. */
-static uint32_t subtree_next(const daft_scene *scene, uint32_t root, uint32_t at)
+uint32_t daft_subtree_next(const daft_scene *scene, uint32_t root, uint32_t at)
 {
     const daft_entity_item *items = scene->entities;
     if (items[at].first_child != DAFT_NONE) return items[at].first_child;
@@ -238,7 +224,7 @@ static bool scale_check(const daft_scene *scene, uint32_t root, const daft_entit
                          "scale is %g, %g, %g; a body keeps that which it was made with, %g, %g, %g", (double)scale.x,
                          (double)scale.y, (double)scale.z, (double)made.x, (double)made.y, (double)made.z);
     if (daft_scale_is_uniform(scale)) return true;
-    for (uint32_t at = root; at != DAFT_NONE; at = subtree_next(scene, root, at))
+    for (uint32_t at = root; at != DAFT_NONE; at = daft_subtree_next(scene, root, at))
         if (scene->entities[at].def.shape == DAFT_SHAPE_SPHERE)
             return daft_fail(error, DAFT_ERROR_ARGUMENT, "scale is %g, %g, %g; %s must be equal in all three axes",
                              (double)scale.x, (double)scale.y, (double)scale.z,
@@ -251,7 +237,7 @@ bool daft_entity_set_transform(daft_scene *scene, daft_entity entity, const daft
 {
     daft_error_clear(error);
     daft_entity_item *item = daft_entity_change(scene, entity, error);
-    if (!item || !daft_check_pointer(error, "transform", transform) || !transform_check(transform, error) ||
+    if (!item || !daft_check_pointer(error, "transform", transform) || !daft_transform_check(transform, error) ||
         !scale_check(scene, daft_handle_index(entity.id), &item->def, transform->scale, error) ||
         (item->body && !daft_body_check_position(transform->position, error)))
         return false;

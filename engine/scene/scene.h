@@ -214,6 +214,9 @@ struct daft_scene {
     uint32_t path_count;
     size_t path_capacity;
     uint32_t camera_count;
+    daft_named_entity *names; /* the entities that scene files name */
+    size_t name_capacity;
+    uint32_t name_count;
 
     daft_world *world; /* made by the first body or character */
     daft_slots character_slots;
@@ -249,6 +252,13 @@ bool daft_scene_ready_or_warn(const daft_scene *scene, const char *what);
 
 bool daft_scene_note_file(daft_scene *scene, const char *path, daft_error *error);
 void daft_scene_files_free(daft_scene *scene);
+
+/* ---- names.c ---- */
+
+/* Copies the names behind those that the scene has, for daft_name_insert to take in the same order. */
+bool daft_names_reserve(daft_scene *scene, const char *const *names, uint32_t more, daft_error *error);
+void daft_name_insert(daft_scene *scene, daft_entity entity); /* the next that was reserved */
+void daft_names_free(daft_scene *scene);
 
 /* ---- assets.c ---- */
 
@@ -309,6 +319,13 @@ daft_entity_item *daft_entity_find(const daft_scene *scene, daft_entity entity, 
 daft_entity_item *daft_entity_change(const daft_scene *scene, daft_entity entity, daft_error *error);
 /* The slot takes what was checked; room was reserved. box and body belong to the entity from now on. */
 daft_entity daft_entity_insert(daft_scene *scene, const daft_entity_def *def, uint32_t box, const daft_made_body *body);
+
+bool daft_transform_check(const daft_transform *transform, daft_error *error);
+/* The parent's list of children begins with the youngest. An entity without a parent is in no list. */
+void daft_entity_link(daft_scene *scene, uint32_t parent, uint32_t child);
+void daft_entity_unlink(daft_scene *scene, const daft_entity_item *item);
+/* The next entity of a subtree in depth-first order, or DAFT_NONE. */
+uint32_t daft_subtree_next(const daft_scene *scene, uint32_t root, uint32_t at);
 
 /* ---- pose.c ---- */
 

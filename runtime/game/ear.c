@@ -29,10 +29,21 @@ static bool is_behind(daft_scene *scene, const voice *v, daft_dvec3 ear, daft_ve
     return false;
 }
 
+/* A carrier that is gone leaves the voice where it was. */
+static void go_with_carrier(voice *v, daft_scene *scene)
+{
+    daft_transform transform;
+    daft_error error;
+    if (!v->carrier.id) return;
+    if (daft_entity_get_world_transform(scene, v->carrier, &transform, &error))
+        v->place = transform.position;
+    else
+        v->carrier.id = 0;
+}
+
 static void hear(voice *v, daft_scene *scene, const daft_camera *c)
 {
-    daft_error error;
-    if (v->carrier.id && !daft_entity_get_world_position(scene, v->carrier, &v->place, &error)) v->carrier.id = 0;
+    go_with_carrier(v, scene);
     const double x = v->place.x - c->position.x, y = v->place.y - c->position.y, z = v->place.z - c->position.z;
     const float distance = (float)fmin(sqrt(x * x + y * y + z * z), 1e9);
     v->gain = v->side = v->muffle = 0;

@@ -61,7 +61,7 @@ static void end(game_state *state)
 
 bool game_open(game_state *state, const game_def *def, daft_error *error)
 {
-    *state = (game_state){.def = *def};
+    *state = (game_state){.def = *def, .keys.width = CANVAS_HEIGHT * 16.0f / 9.0f};
     if (!def->source && !source_open(&state->own, def->where, def->info, error)) return false;
     if (!def->source) state->def.source = &state->own;
     if (!def->saves) state->def.saves = state->own_saves = saves_open(&(saves_def){.game = def->info->name}, error);
@@ -139,8 +139,10 @@ static bool step(game_state *state)
 {
     static const char name[] = "the simulation of one tick";
     daft_error error;
+    const float dt = (float)state->scripts.scale / LOOP_RATE;
+    if (dt == 0) return true;
     watchdog_begin(state->scripts.dog, name, 1);
-    bool good = daft_scene_step(state->scene, 1.0f / LOOP_RATE, &error);
+    bool good = daft_scene_step(state->scene, dt, &error);
     return in_time(state, name) && (good || stop_with(state, "simulation", &error));
 }
 
@@ -162,13 +164,14 @@ bool game_tick(game_state *state)
     if (state->failed) return false;
     daft_scene_begin_tick(state->scene);
     take_input(state);
+    host_begin_tick(&state->scripts);
     if (!host_collect(&state->scripts) || !call_key_handlers(state) || !host_update(&state->scripts, 1.0 / LOOP_RATE))
         return stop(state);
     if (!step(state)) return false;
     sound_on(state);
     daft_error error;
     state->ticks++;
-    state->scripts.tick++;
+    host_end_tick(&state->scripts);
     atomic_store(&state->alive_ns, clock_now_ns());
     state->over = state->scripts.quit;
     if (state->scripts.restart && !state->over && !game_reload(state, &error))
@@ -218,6 +221,8 @@ bool game_draw_over(game_state *state, daft_image *picture)
 {
     if (state->failed) return false;
     canvas over = canvas_over(picture);
+    const float width = canvas_hud_width(&over);
+    if (width != state->keys.width) input_push(&state->keys, &(input_event){.kind = INPUT_WIDTH, .x = width});
     return host_draw(&state->scripts, &over) || stop(state);
 }
 

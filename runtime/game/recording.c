@@ -94,6 +94,12 @@ static bool read_pair(reader *in, input_kind kind, input_event *event)
     return take_float(in, &event->x) && take_float(in, &event->y) && line_ends(in);
 }
 
+static bool read_width(reader *in, input_event *event)
+{
+    event->kind = INPUT_WIDTH;
+    return take_float(in, &event->x) && line_ends(in);
+}
+
 static bool read_stick(reader *in, input_event *event)
 {
     size_t count;
@@ -123,8 +129,10 @@ static bool read_event(reader *in, recording *out, size_t *capacity)
         good = read_pair(in, INPUT_WHEEL, &item.event);
     } else if (take_word(in, "stick")) {
         good = read_stick(in, &item.event);
+    } else if (take_word(in, "width")) {
+        good = read_width(in, &item.event);
     } else {
-        good = bad(in, "+key, -key, mouse, motion, wheel or stick expected", NULL);
+        good = bad(in, "+key, -key, mouse, motion, wheel, stick or width expected", NULL);
     }
     if (!good) return false;
     if (out->count == *capacity) {
@@ -336,6 +344,8 @@ static void put_event(FILE *file, uint64_t tick, const input_event *event)
         fprintf(file, "%c%s\n", event->down ? '+' : '-', input_key_name(event->key));
     else if (event->kind == INPUT_STICK)
         fprintf(file, "stick %.9g %s\n", (double)event->x, input_stick_names(&count)[event->key]);
+    else if (event->kind == INPUT_WIDTH)
+        fprintf(file, "width %.9g\n", (double)event->x);
     else /* nine digits bring a float back to the bit */
         fprintf(file, "%s %.9g %.9g\n", names[event->kind], (double)event->x, (double)event->y);
 }

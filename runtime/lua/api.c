@@ -9,13 +9,14 @@
 #include <stdio.h>
 #include <string.h>
 
-static const api_area *const AREAS[] = {
-    &api_entity, &api_body, &api_joint, &api_character, &api_query, &api_material, &api_light, &api_camera,
-    &api_input,  &api_hud,  &api_draw,  &api_time,      &api_world, &api_picture,  &api_save,  &api_sound};
+static const api_area *const AREAS[] = {&api_entity,    &api_hierarchy, &api_tags,     &api_body,  &api_joint,
+                                        &api_character, &api_query,     &api_material, &api_light, &api_camera,
+                                        &api_input,     &api_hud,       &api_draw,     &api_time,  &api_world,
+                                        &api_chance,    &api_picture,   &api_save,     &api_sound};
 
 static const char *const CALLBACKS[] = {"load", "update", "draw", "keypressed", "keyreleased"};
 static const char *const TYPES[API_TYPES] = {"entity",  "light", "material", "mesh", "joint", "character",
-                                             "picture", "sound", "voice",    "font", "image"};
+                                             "picture", "sound", "voice",    "font", "image", "stream"};
 
 /* Registry keys: the addresses of these. */
 static const char DAFT_KEY, ENTITIES_KEY;
@@ -48,6 +49,12 @@ int api_error(lua_State *L, host *h, const char *format, ...)
     const char *name = h->calling ? h->calling->name : "?";
     luaL_error(L, "%s%s: %s", strchr(name, ':') ? "" : "daft.", name, message);
     __builtin_unreachable();
+}
+
+void api_check_may_change(lua_State *L, host *h)
+{
+    if (h->picture)
+        api_error(L, h, "not within daft.draw: drawing must not change the game, so do this in daft.update");
 }
 
 const char *api_type_name(lua_State *L, int index)
@@ -277,9 +284,10 @@ static int handle_set(lua_State *L)
                           strcmp(type, "entity") == 0 ? ": keep what is yours in its data" : "");
     if (name[0] == 'n' && lua_type(L, 3) != LUA_TSTRING)
         return luaL_error(L, "entity.name: string expected, got %s", luaL_typename(L, 3));
-    lua_getiuservalue(L, 1, 1);
-    lua_pushvalue(L, 3);
-    lua_setfield(L, -2, name);
+    if (name[0] == 'n')
+        api_set_name(L, 1);
+    else
+        api_set_own(L, 1, name);
     return 0;
 }
 

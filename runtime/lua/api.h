@@ -33,8 +33,9 @@ typedef struct api_area {
     size_t count;
 } api_area;
 
-extern const api_area api_entity, api_body, api_joint, api_character, api_query, api_material, api_light, api_camera,
-    api_input, api_hud, api_draw, api_time, api_world, api_picture, api_save, api_sound;
+extern const api_area api_entity, api_hierarchy, api_tags, api_body, api_joint, api_character, api_query, api_material,
+    api_light, api_camera, api_input, api_hud, api_draw, api_time, api_world, api_chance, api_picture, api_save,
+    api_sound;
 /* All areas, for registration and for the reference. */
 const api_area *const *api_areas(size_t *count);
 
@@ -58,6 +59,9 @@ int api_error(lua_State *L, host *h, const char *format, ...) __attribute__((for
 /* "WHAT: WANTED expected, got TYPE" for the value at index. */
 int api_wrong(lua_State *L, host *h, int index, const char *what, const char *wanted) __attribute__((noreturn));
 int api_engine_error(lua_State *L, host *h, const daft_error *error) __attribute__((noreturn));
+
+/* For getters that set when they have arguments: not within daft.draw. */
+void api_check_may_change(lua_State *L, host *h);
 
 /* ---- arguments: `what` is the argument's name in messages ---- */
 
@@ -93,6 +97,19 @@ bool api_has_field(lua_State *L, int table, const char *name);
 int api_push_vec3(lua_State *L, double x, double y, double z);    /* as a table */
 int api_push_numbers(lua_State *L, double x, double y, double z); /* as three values */
 
+/* ---- what is given back in tables that the script may give, so that a steady game makes no garbage ---- */
+
+/* Pushes the table at `into`, or a new one where there is none. */
+void api_push_out(lua_State *L, host *h, int into, const char *what);
+/* Pushes place i of the list on top: the table there, or a new one. */
+void api_push_item(lua_State *L, lua_Integer i);
+/* Sets a field of the table on top to {x, y, z}, in the table there, if there is one. */
+void api_set_vec3(lua_State *L, const char *name, double x, double y, double z);
+/* Takes what is behind place `count` out of the list on top. */
+void api_end_list(lua_State *L, lua_Integer count);
+/* Memory for this call alone; fails where there is none. */
+void *api_scratch(lua_State *L, size_t size);
+
 /* ---- handles ---- */
 
 typedef enum api_type {
@@ -107,6 +124,7 @@ typedef enum api_type {
     API_VOICE,
     API_FONT,
     API_IMAGE,
+    API_STREAM,
     API_TYPES
 } api_type;
 
@@ -141,6 +159,15 @@ int api_release_sound(lua_State *L);
 int api_release_image(lua_State *L);
 /* __gc of fonts. */
 int api_release_font(lua_State *L);
+
+/* ---- what the script keeps with an entity (tables/tags.c) ----
+ * Each takes its value from the top; `entity` is the userdata's place on the stack. */
+
+void api_set_own(lua_State *L, int entity, const char *field); /* e.data, …, in its user value */
+void api_set_name(lua_State *L, int entity);
+/* Fails for what is neither a name nor a list of names. */
+void api_check_tags(lua_State *L, host *h, int index);
+void api_add_tags(lua_State *L, int entity); /* which have been checked */
 
 /* Pushes the userdata of an entity, always the same one for the same entity; nil for none. */
 void api_push_entity(lua_State *L, uint32_t id);

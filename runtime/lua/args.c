@@ -99,11 +99,11 @@ daft_dvec3 api_place(lua_State *L, host *h, int index, const char *what)
 {
     const api_handle *handle = api_test_handle(L, index, API_ENTITY);
     if (!handle) return three_numbers(L, h, index, what);
-    daft_dvec3 place;
+    daft_transform transform;
     daft_error error;
-    if (!daft_entity_get_world_position(h->def.scene, (daft_entity){handle->id}, &place, &error))
+    if (!daft_entity_get_world_transform(h->def.scene, (daft_entity){handle->id}, &transform, &error))
         api_engine_error(L, h, &error);
-    return place;
+    return transform.position;
 }
 
 daft_vec3 api_triple(lua_State *L, host *h, int index, const char *what)
@@ -289,4 +289,66 @@ int api_push_numbers(lua_State *L, double x, double y, double z)
     lua_pushnumber(L, y);
     lua_pushnumber(L, z);
     return 3;
+}
+
+/* ---- tables that are used again ---- */
+
+void api_push_out(lua_State *L, host *h, int into, const char *what)
+{
+    if (lua_isnoneornil(L, into)) {
+        lua_newtable(L);
+        return;
+    }
+    if (!lua_istable(L, into)) api_wrong(L, h, into, what, "table to fill");
+    lua_pushvalue(L, into);
+}
+
+void api_push_item(lua_State *L, lua_Integer i)
+{
+    if (lua_rawgeti(L, -1, i) == LUA_TTABLE) return;
+    lua_pop(L, 1);
+    lua_newtable(L);
+    lua_pushvalue(L, -1);
+    lua_rawseti(L, -3, i);
+}
+
+void api_set_vec3(lua_State *L, const char *name, double x, double y, double z)
+{
+    const double v[3] = {x, y, z};
+    lua_pushstring(L, name);
+    if (lua_rawget(L, -2) != LUA_TTABLE) {
+        lua_pop(L, 1);
+        api_push_vec3(L, x, y, z);
+        lua_setfield(L, -2, name);
+        return;
+    }
+    for (int i = 0; i < 3; i++) {
+        lua_pushnumber(L, v[i]);
+        lua_rawseti(L, -2, i + 1);
+    }
+    lua_pop(L, 1);
+}
+
+void api_end_list(lua_State *L, lua_Integer count)
+{
+    for (lua_Integer i = (lua_Integer)lua_rawlen(L, -1); i > count; i--) {
+        lua_pushnil(L);
+        lua_rawseti(L, -2, i);
+    }
+}
+
+void *api_scratch(lua_State *L, size_t size)
+{
+    static const char KEY;
+    const bool is_there = lua_rawgetp(L, LUA_REGISTRYINDEX, &KEY) == LUA_TUSERDATA;
+    if (is_there && lua_rawlen(L, -1) >= size) {
+        void *memory = lua_touserdata(L, -1);
+        lua_pop(L, 1);
+        return memory;
+    }
+    const size_t before = is_there ? lua_rawlen(L, -1) : 0;
+    lua_pop(L, 1);
+    void *memory = lua_newuserdatauv(L, size > 2 * before ? size : 2 * before, 0);
+    lua_rawsetp(L, LUA_REGISTRYINDEX, &KEY);
+    return memory;
 }

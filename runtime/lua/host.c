@@ -394,8 +394,18 @@ bool host_collect(host *state)
     return call(state, "collecting", (request){.function = api_collect});
 }
 
+void host_begin_tick(host *state) { state->scale = state->next_scale; }
+
+void host_end_tick(host *state)
+{
+    state->still = state->scale == 0;
+    state->clock += state->scale;
+    state->tick++;
+}
+
 bool host_update(host *state, double dt)
 {
+    dt *= state->scale;
     return call(state, "daft.update", (request){.callback = "update", .dt = &dt}) &&
            (state->tasks == 0 || call(state, "a task of daft.start", (request){.function = api_step_tasks}));
 }
@@ -409,12 +419,17 @@ bool host_key(host *state, int key, bool down)
 
 static bool drawing_stops(void *user) { return host_stopping(user); }
 
+float host_width(const host *state)
+{
+    if (state->picture) return canvas_hud_width(state->picture);
+    return state->def.keys->width;
+}
+
 bool host_draw(host *state, const canvas *picture)
 {
     canvas over = *picture;
     over.stops = drawing_stops, over.user = state, over.marks = &state->texts;
     state->texts = (canvas_marks){0};
-    state->hud_width = canvas_hud_width(picture);
     state->picture = &over;
     bool good = call(state, "daft.draw", (request){.callback = "draw"});
     state->picture = NULL;
@@ -447,7 +462,7 @@ static int run_main(lua_State *L)
 
 bool host_open(host *state, const host_def *def)
 {
-    *state = (host){.def = *def, .target_ms = -1, .hud_width = CANVAS_HEIGHT * 16.0f / 9.0f};
+    *state = (host){.def = *def, .target_ms = -1, .scale = 1, .next_scale = 1};
     mixer_init(&state->mixer);
     random_seed(&state->random, def->seed);
     random_seed(&state->draw_random, ~def->seed);

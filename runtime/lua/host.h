@@ -53,8 +53,11 @@ typedef struct host {
     random_state random;      /* of the game */
     random_state draw_random; /* of daft.draw, which must not change what the game does */
     uint64_t tick;
+    double clock;                /* ticks of the game's time so far: each counts as much as its scale says */
+    double scale, next_scale;    /* of this tick, and from the next one on: daft.time_scale */
+    bool still;                  /* the tick before did not step the simulation: nothing happened in it */
+    uint32_t streams;            /* of random numbers, made so far */
     canvas *picture;             /* while daft.draw runs */
-    float hud_width;             /* of the last picture */
     canvas_marks texts;          /* where its texts are */
     bool replaying;              /* daft.input.set does nothing: the recording has what it did */
     bool quit, restart, grab;    /* wishes of the script */
@@ -72,6 +75,8 @@ typedef struct host {
     size_t memory, reserved;    /* bytes: Lua holds; are counted for it towards the engine's limit */
     uint32_t pictures;          /* made so far */
     uint32_t tasks;             /* that run or wait, at most */
+    uint32_t indexed;           /* ids in the indices of names and tags (tables/tags.c) */
+    uint32_t indexed_kept;      /* the same after they were last swept */
     mixer mixer;                /* what sounds */
     uint32_t sounds, music;     /* made so far; the voice of the music */
     uint32_t fonts, images;     /* made so far */
@@ -94,9 +99,15 @@ void host_close(host *state);
 bool host_load(host *state);
 /* Frees what the game has made and no longer holds or uses, once that is worth it. Between two callbacks. */
 bool host_collect(host *state);
+/* Before the tick's callbacks. */
+void host_begin_tick(host *state);
 bool host_update(host *state, double dt);
+/* After them, and after the simulation's step, where there was one. */
+void host_end_tick(host *state);
 bool host_key(host *state, int key, bool down);
 bool host_draw(host *state, const canvas *picture);
+/* Of the picture in HUD units: within daft.draw of the one that is drawn, else as the input has it. */
+float host_width(const host *state);
 
 /* Whether the call that runs is to end. */
 bool host_stopping(const host *state);

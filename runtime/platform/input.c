@@ -128,6 +128,10 @@ static bool change_state(input *state, const input_event *event)
     case INPUT_MOTION:
         if (moves) state->motion_x += event->x, state->motion_y += event->y;
         return moves;
+    case INPUT_WIDTH:
+        if (!(event->x > 0) || !isfinite(event->x) || event->x == state->width) return false;
+        state->width = event->x;
+        return true;
     case INPUT_WHEEL:
         if (moves) state->wheel_x += event->x, state->wheel_y += event->y;
         return moves;

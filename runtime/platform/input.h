@@ -24,20 +24,22 @@ const char *const *input_key_names(size_t *count);
 int input_stick_find(const char *name);
 const char *const *input_stick_names(size_t *count);
 
-typedef enum input_kind { INPUT_KEY, INPUT_MOVE, INPUT_MOTION, INPUT_WHEEL, INPUT_STICK } input_kind;
+typedef enum input_kind { INPUT_KEY, INPUT_MOVE, INPUT_MOTION, INPUT_WHEEL, INPUT_STICK, INPUT_WIDTH } input_kind;
 
 typedef struct input_event {
     input_kind kind;
     int key;   /* INPUT_KEY, INPUT_STICK */
     bool down; /* INPUT_KEY */
     /* INPUT_MOVE: HUD units from the top left; INPUT_MOTION: HUD units right and down, while the mouse is grabbed;
-     * INPUT_WHEEL: notches, right and up positive; INPUT_STICK: x alone, -1 to 1, right and down positive. */
+     * INPUT_WHEEL: notches, right and up positive; INPUT_STICK: x alone, -1 to 1, right and down positive; INPUT_WIDTH:
+     * x alone, HUD units that the picture is wide, since games ask where on it something is. */
     float x, y;
 } input_event;
 
 typedef struct input {
     bool down[INPUT_KEYS], pressed[INPUT_KEYS], released[INPUT_KEYS];
     float mouse_x, mouse_y, motion_x, motion_y, wheel_x, wheel_y, stick[INPUT_STICKS];
+    float width;                    /* of the picture, in HUD units */
     input_event queue[INPUT_QUEUE]; /* for the next tick */
     size_t queued;
     input_event applied[INPUT_QUEUE]; /* the events that changed the state in this tick, in order */

@@ -93,14 +93,3 @@ bool fly_move(flight *f, const flight_wish *wish, double seconds)
     return before.yaw != c->yaw || before.pitch != c->pitch || before.position.x != c->position.x ||
            before.position.y != c->position.y || before.position.z != c->position.z;
 }
-
-daft_vec3 fly_ray(const daft_camera *camera, double x, double y, double aspect)
-{
-    double across = daft_tan((double)camera->fov / 2), a = (2 * x - 1) * across, b = (1 - 2 * y) * across * aspect;
-    double sine = daft_sin((double)camera->roll), cosine = daft_cos((double)camera->roll);
-    daft_dvec3 d = forward_of(camera);
-    /* A camera that leans right has its right axis turned down. */
-    add(&d, right_of(camera), a * cosine + b * sine), add(&d, up_of(camera), b * cosine - a * sine);
-    double length = sqrt(dot(d, d));
-    return (daft_vec3){(float)(d.x / length), (float)(d.y / length), (float)(d.z / length)};
-}

@@ -23,7 +23,5 @@ void fly_change_speed(flight *f, double notches, double size);
 bool fly_move(flight *f, const flight_wish *wish, double seconds);
 /* Turns about the pivot at the distance that the camera has from it. */
 void fly_orbit(flight *f, double yaw, double pitch);
-/* Unit, in the world, through the point of a picture at (x, y), fractions from the top left. aspect: height / width. */
-daft_vec3 fly_ray(const daft_camera *camera, double x, double y, double aspect);
 
 #endif

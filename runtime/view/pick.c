@@ -8,7 +8,7 @@ bool pick_point(viewer *v, daft_ray_hit *hit)
 {
     daft_error error = {0};
     if (!v->content.scene) return false;
-    daft_vec3 ray = fly_ray(&v->flight.camera, v->mouse_x, v->mouse_y, viewer_aspect(v));
+    daft_vec3 ray = daft_camera_ray(&v->flight.camera, v->mouse_x, v->mouse_y, viewer_aspect(v));
     return daft_scene_cast_ray(v->content.scene, v->flight.camera.position, ray, INFINITY, (daft_entity){0}, hit,
                                &error);
 }

@@ -105,7 +105,8 @@ bool viewer_project(const viewer *v, daft_dvec3 point, float *x, float *y)
     const daft_camera *c = &v->flight.camera;
     double aspect = viewer_aspect(v);
     /* The rays through the middle and through the ends of the picture's axes give the camera's own axes. */
-    daft_vec3 f = fly_ray(c, 0.5, 0.5, aspect), r = fly_ray(c, 1, 0.5, aspect), u = fly_ray(c, 0.5, 0, aspect);
+    daft_vec3 f = daft_camera_ray(c, 0.5, 0.5, aspect), r = daft_camera_ray(c, 1, 0.5, aspect),
+              u = daft_camera_ray(c, 0.5, 0, aspect);
     daft_dvec3 d = {point.x - c->position.x, point.y - c->position.y, point.z - c->position.z};
     const daft_vec3 *axes[3] = {&f, &r, &u};
     double along[3], cosine[3];

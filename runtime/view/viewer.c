@@ -80,7 +80,7 @@ static double usual_distance(const viewer *v)
     size_t count = 0;
     for (int i = 0; v->content.scene && i < SIDE * SIDE; i++) {
         double x = (i % SIDE + 0.5) / SIDE, y = (i / SIDE + 0.5) / SIDE;
-        daft_vec3 ray = fly_ray(&v->content.start, x, y, viewer_aspect(v));
+        daft_vec3 ray = daft_camera_ray(&v->content.start, x, y, viewer_aspect(v));
         daft_ray_hit hit;
         daft_error error;
         if (daft_scene_cast_ray(v->content.scene, v->content.start.position, ray, INFINITY, (daft_entity){0}, &hit,

@@ -187,8 +187,11 @@ static uint32_t give_handle(caller *c, const pool *from, verdict none)
 
 static daft_entity give_daft_entity(caller *c)
 {
-    if (!is_name(c, "ignore")) return (daft_entity){give_handle(c, &c->entities, VERDICT_BAD)};
-    return (daft_entity){give_handle(c, &c->entities, VERDICT_ODD)};
+    const bool may_be_none = is_name(c, "ignore") || is_name(c, "parent");
+    uint32_t id = give_handle(c, &c->entities, may_be_none ? VERDICT_ODD : VERDICT_BAD);
+    /* The first is a body, which has no parent. */
+    if (is_function(c, "daft_entity_set_parent") && !may_be_none && id == c->entities.ids[0]) id = c->entities.ids[1];
+    return (daft_entity){id};
 }
 static daft_mesh give_daft_mesh(caller *c) { return (daft_mesh){give_handle(c, &c->meshes, VERDICT_BAD)}; }
 static daft_texture give_daft_texture(caller *c) { return (daft_texture){give_handle(c, &c->textures, VERDICT_BAD)}; }
@@ -647,6 +650,7 @@ GIVE_ROOM(daft_character_state, VERDICT_WRONG)
 GIVE_ROOM(daft_transform, VERDICT_WRONG)
 GIVE_ROOM(daft_camera, VERDICT_WRONG)
 GIVE_ROOM(daft_checkpoint, VERDICT_WRONG)
+GIVE_ROOM(daft_named_entity, VERDICT_WRONG)
 GIVE_ROOM(daft_dvec3, VERDICT_ODD) /* the corners of bounds, which an empty scene has not */
 GIVE_ROOM(float, VERDICT_WRONG)
 GIVE_ROOM(double, VERDICT_ODD) /* when a ray of a scan leaves */
@@ -655,6 +659,7 @@ GIVE_ROOM(uint32_t, VERDICT_ODD)       /* daft_fields' count */
 GIVE_ROOM(size_t, VERDICT_ODD)         /* daft_read_file's size */
 GIVE_ROOM(daft_vec3, VERDICT_ODD)      /* either velocity */
 GIVE_ROOM(daft_event, VERDICT_ODD)     /* lists tell how long they are */
+GIVE_ROOM(daft_entity, VERDICT_ODD)    /* the same */
 GIVE_ROOM(daft_contact, VERDICT_ODD)   /* the same */
 GIVE_ROOM(daft_query_hit, VERDICT_ODD) /* whether something is hit */
 GIVE_ROOM(daft_ray_hit, VERDICT_ODD)   /* the same */
@@ -747,6 +752,7 @@ static void took_daft_character(caller *c, daft_character made) { keep(c, &c->ch
     }
 TOOK_VALUE(double)
 TOOK_VALUE(daft_camera)
+TOOK_VALUE(daft_vec3)
 TOOK_VALUE(daft_memory)
 TOOK_VALUE(daft_sim_counters)
 TOOK_VALUE(daft_engine_def)
@@ -804,7 +810,7 @@ void calls_folder_make(char folder[64])
     write_text(folder, "thing.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     write_text(folder, "paint.mtl", "newmtl red\nKd 1 0 0\n");
     write_text(folder, "lost.mtl", "newmtl red\nmap_Kd none.png\n");
-    write_text(folder, "room.scene", "camera 0 1 0\nlight 0 5 0 1 1 1\nsphere 3 0 0 1 paint.mtl\n");
+    write_text(folder, "room.scene", "camera 0 1 0\nlight 0 5 0 1 1 1\nsphere 3 0 0 1 paint.mtl name=ball\n");
     write_text(folder, "film.scene", "path 0 0 1 0 0 0\npath 1 1 1 0 0 0\n");
     write_picture(folder);
 }
@@ -837,6 +843,7 @@ static void fill_scene(caller *c)
     daft_scene *s = c->scene;
     add_entity(s, DAFT_SHAPE_BOX, DAFT_BODY_STATIC, -0.5);
     keep(c, &c->entities, add_entity(s, DAFT_SHAPE_SPHERE, DAFT_BODY_DYNAMIC, 2).id);
+    keep(c, &c->entities, add_entity(s, DAFT_SHAPE_NONE, DAFT_BODY_NONE, 4).id);
     daft_entity gone = add_entity(s, DAFT_SHAPE_SPHERE, DAFT_BODY_NONE, 9);
     c->entities.stale = gone.id;
     daft_mesh_def mesh = daft_default_mesh_def();

@@ -16,6 +16,9 @@ enum { MAX_VALUES = 8, MAX_PATH = 1024, LONGEST_OPTION = 200, LONGEST_FORM = 128
 
 #define DEGREE (DAFT_PI / 180)
 
+/* Of entities, and no field of theirs: name=door. */
+static const char NAME_OPTION[] = "name";
+
 typedef daft_scene_item item;
 
 /* What stands next on an item's line: a path, or the numbers of one field. */
@@ -279,9 +282,12 @@ static const daft_field *option_field(const reader *read, const char *name)
     return NULL;
 }
 
+static bool has_name(const reader *read) { return read->form->fields == DAFT_STRUCT_ENTITY_DEF; }
+
 static bool fail_option(const reader *read, int column, const char *name)
 {
     char known[LONGEST_OPTION] = "";
+    if (has_name(read)) snprintf(known, sizeof known, "%s", NAME_OPTION);
     uint32_t count;
     const daft_field *fields = daft_fields(read->form->fields, &count);
     for (uint32_t i = 0; i < count; i++) {
@@ -302,6 +308,15 @@ static bool set_option(const daft_field *field, const char *text, void *out, daf
     return true;
 }
 
+static bool keep_name(reader *read, const char *name)
+{
+    const size_t size = strlen(name) + 1;
+    char *copy = daft_arena_alloc(read->arena, size, 1);
+    if (!copy) return daft_fail_memory(read->text->error, "a scene file's names");
+    read->out->name = memcpy(copy, name, size);
+    return true;
+}
+
 static bool read_option(reader *read)
 {
     daft_token token;
@@ -314,6 +329,8 @@ static bool read_option(reader *read)
         return daft_scene_text_fail(read->text, token.column, "the option has more than %d characters",
                                     LONGEST_OPTION - 1);
     *set++ = 0;
+    if (has_name(read) && strcmp(text, NAME_OPTION) == 0)
+        return *set ? keep_name(read, set) : daft_scene_text_fail(read->text, token.column, "the name is empty");
     const daft_field *field = option_field(read, text);
     if (!field) return fail_option(read, token.column, text);
     return set_option(field, set, struct_of(read), &why) ||

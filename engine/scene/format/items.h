@@ -24,6 +24,7 @@ typedef struct daft_scene_item {
     int line, column;   /* of the path, if there is one; else of the keyword */
     double time;        /* of a checkpoint, seconds */
     const char *path;   /* joined to the source's folder; or NULL */
+    const char *name;   /* of an entity; or NULL */
     union {
         daft_camera camera;
         daft_light_def light;

@@ -150,6 +150,17 @@ static bool load_asset(loader *load, item *named)
     return true;
 }
 
+/* Last of all, since it changes what lies behind the scene's names. */
+static bool reserve_names(loader *load)
+{
+    const char **names = daft_arena_alloc(&load->arena, load->count, sizeof *names);
+    uint32_t count = 0;
+    if (!names) return daft_fail_memory(&load->error, "a scene file's names");
+    for (size_t i = 0; i < load->count; i++)
+        if (load->items[i].name && load->items[i].kind != DAFT_ITEM_REFUSED) names[count++] = load->items[i].name;
+    return daft_names_reserve(load->scene, names, count, &load->error);
+}
+
 static bool reserve(loader *load)
 {
     uint32_t cameras = 0, checkpoints = 0, lights = 0, entities = 0;
@@ -162,7 +173,13 @@ static bool reserve(loader *load)
     return daft_cameras_reserve(load->scene, cameras, &load->error) &&
            daft_path_reserve(load->scene, checkpoints, &load->error) &&
            daft_lights_reserve(load->scene, lights, &load->error) &&
-           daft_entities_reserve(load->scene, entities, &load->error);
+           daft_entities_reserve(load->scene, entities, &load->error) && reserve_names(load);
+}
+
+static void insert_entity(daft_scene *scene, const item *made)
+{
+    const daft_entity entity = daft_entity_insert(scene, &made->entity, DAFT_NONE, NULL);
+    if (made->name) daft_name_insert(scene, entity);
 }
 
 /* Cannot fail. */
@@ -177,7 +194,7 @@ static void commit(loader *load)
         case DAFT_ITEM_LIGHT: daft_light_insert(scene, &made->light); break;
         case DAFT_ITEM_AMBIENT: scene->ambient = made->ambient, scene->occlusion = made->occlusion; break;
         case DAFT_ITEM_SPHERE:
-        case DAFT_ITEM_MESH: daft_entity_insert(scene, &made->entity, DAFT_NONE, NULL); break;
+        case DAFT_ITEM_MESH: insert_entity(scene, made); break;
         case DAFT_ITEM_SKYBOX:
         case DAFT_ITEM_INCLUDE:
         case DAFT_ITEM_REFUSED: break;

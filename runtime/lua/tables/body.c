@@ -277,10 +277,17 @@ void api_read_locks(lua_State *L, host *h, int whole, void *out)
 
 /* ---- methods ---- */
 
+/* Acts over the next step; while time stands still there is none, and pushes must not add up. */
+static daft_vec3 read_force(lua_State *L, host *h, const char *what)
+{
+    const daft_vec3 force = api_triple(L, h, 2, what), none = {0, 0, 0};
+    return h->scale > 0 ? force : none;
+}
+
 static int push(lua_State *L, host *h)
 {
     daft_error error;
-    if (!daft_entity_apply_force(h->def.scene, api_entity_at(L, h, 1, "entity"), api_triple(L, h, 2, "force"), &error))
+    if (!daft_entity_apply_force(h->def.scene, api_entity_at(L, h, 1, "entity"), read_force(L, h, "force"), &error))
         api_engine_error(L, h, &error);
     return 0;
 }
@@ -301,8 +308,7 @@ static int impulse(lua_State *L, host *h)
 static int torque(lua_State *L, host *h)
 {
     daft_error error;
-    if (!daft_entity_apply_torque(h->def.scene, api_entity_at(L, h, 1, "entity"), api_triple(L, h, 2, "torque"),
-                                  &error))
+    if (!daft_entity_apply_torque(h->def.scene, api_entity_at(L, h, 1, "entity"), read_force(L, h, "torque"), &error))
         api_engine_error(L, h, &error);
     return 0;
 }

@@ -1,7 +1,9 @@
-/* daft.camera. */
+/* daft.camera, and camera paths. */
 #include "lua/fields.h"
 
 #include "common/util.h"
+
+#include <stdio.h>
 
 static const char *const LOOK_FIELDS[] = {"from", "at", "fov", "teleport"};
 static const api_special SET_SPECIALS[] = {
@@ -53,6 +55,71 @@ static int get(lua_State *L, host *h)
     return 1;
 }
 
+/* ---- paths ---- */
+
+static const api_special POINT_SPECIALS[] = {{.name = "time", .value = "number, s", .doc = "When; in ascending order"}};
+
+const api_form api_checkpoint_form = {"camera.along", "a checkpoint",          DAFT_STRUCT_CAMERA, -1,
+                                      POINT_SPECIALS, COUNT_OF(POINT_SPECIALS)};
+
+enum { MOST_POINTS = 10000 };
+
+/* The list at 1 as checkpoints, in a userdata that stays on the stack. */
+static daft_checkpoint *read_points(lua_State *L, host *h, uint32_t *count)
+{
+    if (!lua_istable(L, 1)) api_wrong(L, h, 1, "points", "list of checkpoints");
+    const size_t length = lua_rawlen(L, 1);
+    if (length == 0 || length > MOST_POINTS)
+        api_error(L, h, "points: 1 to %d checkpoints expected, got %zu", (int)MOST_POINTS, length);
+    daft_checkpoint *points = lua_newuserdatauv(L, length * sizeof *points, 0);
+    const int top = lua_gettop(L);
+    for (size_t i = 0; i < length; i++) {
+        char what[40];
+        snprintf(what, sizeof what, "points[%zu]", i + 1);
+        lua_rawgeti(L, 1, (lua_Integer)i + 1);
+        points[i] = (daft_checkpoint){daft_default_camera(), (double)i};
+        api_read_struct(L, h, top + 1, what, &api_checkpoint_form, &points[i].camera);
+        if (api_field(L, top + 1, "time")) points[i].time = api_number(L, h, -1, "time");
+        lua_settop(L, top);
+        api_poll(L, i);
+    }
+    *count = (uint32_t)length;
+    return points;
+}
+
+static int along(lua_State *L, host *h)
+{
+    static const char *const PACES[] = {
+        [DAFT_PACE_TIMED] = "timed", [DAFT_PACE_CONSTANT] = "constant", [DAFT_PACE_EASED] = "eased"};
+    lua_settop(L, 3);
+    const double seconds = api_number(L, h, 2, "seconds");
+    size_t pace = DAFT_PACE_TIMED;
+    if (!lua_isnil(L, 3)) pace = api_choice(L, h, 3, "pace", PACES, COUNT_OF(PACES));
+    uint32_t count;
+    const daft_checkpoint *points = read_points(L, h, &count);
+    daft_camera camera;
+    daft_error error;
+    if (!daft_path_camera(points, count, (daft_pace)pace, seconds, &camera, &error)) api_engine_error(L, h, &error);
+    api_push_struct(L, DAFT_STRUCT_CAMERA, &camera);
+    return 1;
+}
+
+static int checkpoints(lua_State *L, host *h)
+{
+    const uint32_t count = daft_scene_path_count(h->def.scene);
+    lua_createtable(L, (int)count, 0);
+    for (uint32_t i = 0; i < count; i++) {
+        daft_checkpoint point;
+        daft_error error;
+        if (!daft_scene_get_checkpoint(h->def.scene, i, &point, &error)) api_engine_error(L, h, &error);
+        api_push_struct(L, DAFT_STRUCT_CAMERA, &point.camera);
+        lua_pushnumber(L, point.time);
+        lua_setfield(L, -2, "time");
+        lua_rawseti(L, -2, (lua_Integer)i + 1);
+    }
+    return 1;
+}
+
 static const api_function FUNCTIONS[] = {
     {"camera.look", "{from =, at =, fov =, teleport =}",
      "From a place to a place; either may be an entity: where it is now. fov is horizontal, in radians.\n"
@@ -60,6 +127,11 @@ static const api_function FUNCTIONS[] = {
      look, API_CHANGES},
     {"camera.set", "{...}", "What is not named stays.", set, API_CHANGES},
     {"camera.get", "() -> {...}", "The same fields but teleport.", get, 0},
+    {"camera.along", "(points, seconds [, pace]) -> {...}",
+     "Where the camera is, as of daft.camera.get, so many seconds into a smooth path through a list of checkpoints.\n"
+     "pace: \"timed\", \"constant\" or \"eased\".",
+     along, 0},
+    {"camera.checkpoints", "() -> list", "The checkpoints of the `path` items of scene files.", checkpoints, 0},
 };
 
 const api_area api_camera = {"Camera", FUNCTIONS, COUNT_OF(FUNCTIONS)};

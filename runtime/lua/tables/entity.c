@@ -67,7 +67,8 @@ static const api_special SPECIALS[] = {
     {.name = "hits", .read = api_read_hits, .value = "name or names"},
     {.name = "velocity", .value = "{x, y, z}, m/s", .doc = "Of a body that moves"},
     {.name = "angular_velocity", .value = "{x, y, z}, rad/s", .doc = "Of a body that moves"},
-    {.name = "name", .value = "string", .doc = "e.name can be read and set"},
+    {.name = "name", .value = "string", .doc = "e.name can be read and set; daft.find finds it"},
+    {.name = "tags", .value = "name or list of names", .doc = "What it is, for e:has_tag and daft.find"},
     {.name = "data", .value = "anything", .doc = "e.data can be read and set"}};
 
 const api_form api_entity_form = {"entity", "daft.entity", DAFT_STRUCT_ENTITY_DEF, -1, SPECIALS, COUNT_OF(SPECIALS)};
@@ -86,6 +87,7 @@ static int create(lua_State *L, host *h)
     if ((moves || turns) && def.body != DAFT_BODY_DYNAMIC && def.body != DAFT_BODY_KINEMATIC)
         api_error(L, h, "velocity: only a body that is \"dynamic\" or \"kinematic\" has one");
     if (api_field(L, 1, "name")) api_text(L, h, -1, "name");
+    if (api_field(L, 1, "tags")) api_check_tags(L, h, -1);
     daft_error error;
     daft_entity entity = daft_entity_create(h->def.scene, &def, &error);
     if (entity.id == 0) api_engine_error(L, h, &error);
@@ -95,13 +97,9 @@ static int create(lua_State *L, host *h)
     }
     api_push_entity(L, entity.id);
     ((api_handle *)lua_touserdata(L, -1))->visible = def.visible;
-    lua_getiuservalue(L, -1, 1);
-    for (int i = 0; i < 2; i++) {
-        const char *name = i == 0 ? "name" : "data";
-        if (!api_field(L, 1, name)) continue;
-        lua_setfield(L, -2, name);
-    }
-    lua_pop(L, 1);
+    if (api_field(L, 1, "data")) api_set_own(L, -2, "data");
+    if (api_field(L, 1, "name")) api_set_name(L, -2);
+    if (api_field(L, 1, "tags")) api_add_tags(L, -2);
     return 1;
 }
 
@@ -124,27 +122,11 @@ static int set_transform(lua_State *L, host *h, const daft_transform *transform,
     return 0;
 }
 
-/* Getters that set when they have arguments may not set within daft.draw. */
-static void check_may_change(lua_State *L, host *h)
-{
-    if (h->picture)
-        api_error(L, h, "not within daft.draw: drawing must not change the game, so do this in daft.update");
-}
-
-static int world_position(lua_State *L, host *h)
-{
-    daft_dvec3 place;
-    daft_error error;
-    if (!daft_entity_get_world_position(h->def.scene, api_entity_at(L, h, 1, "entity"), &place, &error))
-        api_engine_error(L, h, &error);
-    return api_push_numbers(L, place.x, place.y, place.z);
-}
-
 static int position(lua_State *L, host *h)
 {
     daft_transform transform = get_transform(L, h);
     if (lua_gettop(L) < 2) return api_push_numbers(L, transform.position.x, transform.position.y, transform.position.z);
-    check_may_change(L, h);
+    api_check_may_change(L, h);
     transform.position = api_place(L, h, 2, "position");
     return set_transform(L, h, &transform, false);
 }
@@ -165,7 +147,7 @@ static int rotation(lua_State *L, host *h)
         lua_pushnumber(L, (double)q.w);
         return 4;
     }
-    check_may_change(L, h);
+    api_check_may_change(L, h);
     if (lua_type(L, 2) == LUA_TNUMBER) {
         int count = lua_gettop(L) - 1;
         if (count != 3 && count != 4) api_error(L, h, "rotation: 3 or 4 numbers expected, got %d", count);
@@ -185,7 +167,7 @@ static int scale(lua_State *L, host *h)
     daft_transform transform = get_transform(L, h);
     if (lua_gettop(L) < 2)
         return api_push_numbers(L, (double)transform.scale.x, (double)transform.scale.y, (double)transform.scale.z);
-    check_may_change(L, h);
+    api_check_may_change(L, h);
     transform.scale = lua_gettop(L) >= 4 ? api_triple(L, h, 2, "scale") : read_scale(L, h, 2);
     return set_transform(L, h, &transform, false);
 }
@@ -209,7 +191,7 @@ static int visible(lua_State *L, host *h)
         lua_pushboolean(L, handle->visible);
         return 1;
     }
-    check_may_change(L, h);
+    api_check_may_change(L, h);
     bool wish = api_boolean(L, h, 2, "visible");
     daft_error error;
     if (!daft_entity_set_visible(h->def.scene, (daft_entity){handle->id}, wish, &error)) api_engine_error(L, h, &error);
@@ -239,7 +221,7 @@ static int velocity(lua_State *L, host *h)
     daft_vec3 linear, angular;
     get_velocity(L, h, &linear, &angular);
     if (lua_gettop(L) < 2) return api_push_numbers(L, (double)linear.x, (double)linear.y, (double)linear.z);
-    check_may_change(L, h);
+    api_check_may_change(L, h);
     return set_velocity(L, h, api_triple(L, h, 2, "velocity"), angular);
 }
 
@@ -248,21 +230,18 @@ static int angular_velocity(lua_State *L, host *h)
     daft_vec3 linear, angular;
     get_velocity(L, h, &linear, &angular);
     if (lua_gettop(L) < 2) return api_push_numbers(L, (double)angular.x, (double)angular.y, (double)angular.z);
-    check_may_change(L, h);
+    api_check_may_change(L, h);
     return set_velocity(L, h, linear, api_triple(L, h, 2, "angular_velocity"));
 }
 
-/* Pushes {other =, point =, normal =, impulse =}; `sign` turns the normal to point away from the other. */
-static void push_contact(lua_State *L, const daft_contact *contact, uint32_t other, double sign)
+/* Sets other, point, normal and impulse of the table on top; `sign` turns the normal to point away from the other. */
+static void put_contact(lua_State *L, const daft_contact *contact, uint32_t other, double sign)
 {
-    lua_createtable(L, 0, 4);
     api_push_entity(L, other);
     lua_setfield(L, -2, "other");
-    api_push_vec3(L, contact->point.x, contact->point.y, contact->point.z);
-    lua_setfield(L, -2, "point");
-    api_push_vec3(L, sign * (double)contact->normal.x, sign * (double)contact->normal.y,
-                  sign * (double)contact->normal.z);
-    lua_setfield(L, -2, "normal");
+    api_set_vec3(L, "point", contact->point.x, contact->point.y, contact->point.z);
+    api_set_vec3(L, "normal", sign * (double)contact->normal.x, sign * (double)contact->normal.y,
+                 sign * (double)contact->normal.z);
     lua_pushnumber(L, (double)contact->impulse);
     lua_setfield(L, -2, "impulse");
 }
@@ -270,20 +249,20 @@ static void push_contact(lua_State *L, const daft_contact *contact, uint32_t oth
 static int contacts(lua_State *L, host *h)
 {
     get_transform(L, h); /* refuses an entity that is gone */
-    uint32_t self = api_entity_at(L, h, 1, "entity").id;
+    const uint32_t self = api_entity_at(L, h, 1, "entity").id;
     uint32_t count = daft_scene_contacts(h->def.scene, NULL, 0);
-    lua_newtable(L);
-    if (count == 0) return 1;
-    daft_contact *all = lua_newuserdatauv(L, count * sizeof *all, 0);
+    daft_contact *all = api_scratch(L, count * sizeof *all);
     count = daft_scene_contacts(h->def.scene, all, count);
+    api_push_out(L, h, 2, "list");
     lua_Integer found = 0;
     for (uint32_t i = 0; i < count; i++) {
         if (all[i].a.id != self && all[i].b.id != self) continue;
-        bool first = all[i].a.id == self;
-        push_contact(L, &all[i], first ? all[i].b.id : all[i].a.id, first ? -1 : 1);
-        lua_rawseti(L, -3, ++found);
+        const bool first = all[i].a.id == self;
+        api_push_item(L, ++found);
+        put_contact(L, &all[i], first ? all[i].b.id : all[i].a.id, first ? -1 : 1);
+        lua_pop(L, 1);
     }
-    lua_pop(L, 1);
+    api_end_list(L, found);
     return 1;
 }
 
@@ -307,8 +286,6 @@ static const api_function FUNCTIONS[] = {
      "Makes an entity: at most one of mesh, sphere and box is drawn, and a body is simulated.", create, API_CHANGES},
     {"entity:position", "([x, y, z]) -> x, y, z",
      "Where it is, or puts it there (also {x, y, z}). Drawing glides from the last place to this one.", position, 0},
-    {"entity:world_position", "() -> x, y, z", "Where it is in the world; position is relative to its parent.",
-     world_position, 0},
     {"entity:teleport", "(x, y, z)", "Puts it there at once, without a glide.", teleport, API_CHANGES},
     {"entity:rotation", "([yaw, pitch, roll]) -> x, y, z, w",
      "The rotation as a quaternion, or sets it from three angles or a quaternion's four numbers.", rotation, 0},
@@ -318,9 +295,9 @@ static const api_function FUNCTIONS[] = {
     {"entity:velocity", "([x, y, z]) -> x, y, z", "Metres a second; of a body.", velocity, 0},
     {"entity:angular_velocity", "([x, y, z]) -> x, y, z", "Radians a second about each axis; of a body.",
      angular_velocity, 0},
-    {"entity:contacts", "() -> list",
+    {"entity:contacts", "([list]) -> list",
      "What touched it in the last step: a list of {other = entity, point = {x, y, z}, normal = {x, y, z},\n"
-     "impulse = n}; the normal points away from the other.",
+     "impulse = n}; the normal points away from the other. list: one to fill again.",
      contacts, 0},
     {"entity:destroy", "()", "Takes it and its children out of the world.", destroy, API_CHANGES},
     {"entity:valid", "() -> boolean", "False once it has been destroyed.", valid, 0},

@@ -119,7 +119,7 @@ static int height_of_text(lua_State *L, host *h)
 
 static int width(lua_State *L, host *h)
 {
-    lua_pushnumber(L, (double)h->hud_width);
+    lua_pushnumber(L, (double)host_width(h));
     return 1;
 }
 

@@ -184,10 +184,16 @@ static int target(lua_State *L, host *h)
 
 /* ---- events ---- */
 
-static void push_event(lua_State *L, const daft_event *e)
+/* Sets the fields of the table on top, which may have been another event's. */
+static void put_event(lua_State *L, const daft_event *e)
 {
     static const char *const NAMES[] = {"", "begin", "end", "enter", "leave", "break", "gone", "sleep", "wake"};
-    lua_createtable(L, 0, 7);
+    static const char *const SOME[] = {"joint", "point", "normal", "speed"}; /* of some kinds */
+    const size_t some = e->kind == DAFT_EVENT_CONTACT_BEGIN ? 1 : COUNT_OF(SOME);
+    for (size_t i = 0; i < some; i++) {
+        lua_pushnil(L);
+        lua_setfield(L, -2, SOME[i]);
+    }
     lua_pushstring(L, NAMES[e->kind]);
     lua_setfield(L, -2, "kind");
     if (e->kind == DAFT_EVENT_JOINT_BREAK || e->kind == DAFT_EVENT_JOINT_GONE) {
@@ -199,10 +205,8 @@ static void push_event(lua_State *L, const daft_event *e)
     api_push_entity(L, e->b.id);
     lua_setfield(L, -2, "b");
     if (e->kind == DAFT_EVENT_CONTACT_BEGIN) {
-        api_push_vec3(L, e->point.x, e->point.y, e->point.z);
-        lua_setfield(L, -2, "point");
-        api_push_vec3(L, (double)e->normal.x, (double)e->normal.y, (double)e->normal.z);
-        lua_setfield(L, -2, "normal");
+        api_set_vec3(L, "point", e->point.x, e->point.y, e->point.z);
+        api_set_vec3(L, "normal", (double)e->normal.x, (double)e->normal.y, (double)e->normal.z);
         lua_pushnumber(L, (double)e->speed);
         lua_setfield(L, -2, "speed");
     }
@@ -212,16 +216,16 @@ static void push_event(lua_State *L, const daft_event *e)
 
 static int events(lua_State *L, host *h)
 {
-    uint32_t count = daft_scene_events(h->def.scene, NULL, 0);
-    lua_createtable(L, (int)count, 0);
-    if (count == 0) return 1;
-    daft_event *all = lua_newuserdatauv(L, count * sizeof *all, 0);
-    count = daft_scene_events(h->def.scene, all, count);
+    uint32_t count = h->still ? 0 : daft_scene_events(h->def.scene, NULL, 0);
+    daft_event *all = api_scratch(L, count * sizeof *all);
+    if (count > 0) count = daft_scene_events(h->def.scene, all, count);
+    api_push_out(L, h, 1, "list");
     for (uint32_t i = 0; i < count; i++) {
-        push_event(L, &all[i]);
-        lua_rawseti(L, -3, (lua_Integer)i + 1);
+        api_push_item(L, (lua_Integer)i + 1);
+        put_event(L, &all[i]);
+        lua_pop(L, 1);
     }
-    lua_pop(L, 1);
+    api_end_list(L, (lua_Integer)count);
     return 1;
 }
 
@@ -291,7 +295,7 @@ static const api_function FUNCTIONS[] = {
     {"joint:limit", "([lower, upper])", "Limits its value; nothing: off.", limit, API_CHANGES},
     {"joint:spring", "([hertz, damping])", "Makes it a spring; nothing: stiff.", spring, API_CHANGES},
     {"joint:target", "(x, y, z)", "Where a drag joint draws to.", target, API_CHANGES},
-    {"events", "() -> list",
+    {"events", "([list]) -> list",
      "What happened in the last step: {kind =, a =, b =, impulse =}. kind is \"begin\" or \"end\" of a contact, "
      "\"enter\" or\n"
      "\"leave\" of a sensor (a), \"break\" or \"gone\" of a joint (joint =), \"sleep\" or \"wake\" of a body (a). A "

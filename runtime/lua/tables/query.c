@@ -63,33 +63,35 @@ static float read_distance(lua_State *L, host *h, int index)
     return distance;
 }
 
-static int push_hit(lua_State *L, const daft_query_hit *hit)
+/* Sets the fields of the table on top. */
+static void put_hit(lua_State *L, const daft_query_hit *hit)
 {
-    lua_createtable(L, 0, 5);
     api_push_entity(L, hit->entity.id);
     lua_setfield(L, -2, "entity");
     lua_pushnumber(L, (double)hit->distance);
     lua_setfield(L, -2, "distance");
-    api_push_vec3(L, hit->position.x, hit->position.y, hit->position.z);
-    lua_setfield(L, -2, "position");
-    api_push_vec3(L, (double)hit->normal.x, (double)hit->normal.y, (double)hit->normal.z);
-    lua_setfield(L, -2, "normal");
+    api_set_vec3(L, "position", hit->position.x, hit->position.y, hit->position.z);
+    api_set_vec3(L, "normal", (double)hit->normal.x, (double)hit->normal.y, (double)hit->normal.z);
     lua_pushboolean(L, hit->inside);
     lua_setfield(L, -2, "inside");
-    return 1;
 }
 
-static int answer(lua_State *L, host *h, bool found, const daft_query_hit *hit, const daft_error *error)
+/* `into`: the place of a table for it, or of nil. */
+static int answer(lua_State *L, host *h, bool found, const daft_query_hit *hit, int into, const daft_error *error)
 {
-    if (found) return push_hit(L, hit);
-    if (error->code != DAFT_OK) api_engine_error(L, h, error);
-    lua_pushnil(L);
+    if (!found && error->code != DAFT_OK) api_engine_error(L, h, error);
+    if (!found) {
+        lua_pushnil(L);
+        return 1;
+    }
+    api_push_out(L, h, into, "hit");
+    put_hit(L, hit);
     return 1;
 }
 
 static int ray(lua_State *L, host *h)
 {
-    lua_settop(L, 4); /* fields of tables are pushed beyond */
+    lua_settop(L, 5); /* fields of tables are pushed beyond */
     daft_dvec3 from = api_place(L, h, 1, "from");
     daft_vec3 direction = api_vec3(L, h, 2, "direction");
     float far_limit = read_distance(L, h, 3);
@@ -97,12 +99,12 @@ static int ray(lua_State *L, host *h)
     daft_query_hit hit;
     daft_error error;
     bool found = daft_query_ray(h->def.scene, from, direction, far_limit, &filter, &hit, &error);
-    return answer(L, h, found, &hit, &error);
+    return answer(L, h, found, &hit, 5, &error);
 }
 
 static int rays(lua_State *L, host *h)
 {
-    lua_settop(L, 4); /* fields of tables are pushed beyond */
+    lua_settop(L, 5); /* fields of tables are pushed beyond */
     daft_dvec3 from = api_place(L, h, 1, "from");
     daft_vec3 direction = api_vec3(L, h, 2, "direction");
     float far_limit = read_distance(L, h, 3);
@@ -111,17 +113,20 @@ static int rays(lua_State *L, host *h)
     daft_error error;
     uint32_t count = daft_query_ray_all(h->def.scene, from, direction, far_limit, &filter, hits, MOST, &error);
     if (error.code != DAFT_OK) api_engine_error(L, h, &error);
-    lua_createtable(L, (int)(count < MOST ? count : MOST), 0);
-    for (uint32_t i = 0; i < count && i < MOST; i++) {
-        push_hit(L, &hits[i]);
-        lua_rawseti(L, -2, (lua_Integer)i + 1);
+    if (count > MOST) count = MOST;
+    api_push_out(L, h, 5, "list");
+    for (uint32_t i = 0; i < count; i++) {
+        api_push_item(L, (lua_Integer)i + 1);
+        put_hit(L, &hits[i]);
+        lua_pop(L, 1);
     }
+    api_end_list(L, (lua_Integer)count);
     return 1;
 }
 
 static int cast(lua_State *L, host *h)
 {
-    lua_settop(L, 5); /* fields of tables are pushed beyond */
+    lua_settop(L, 6); /* fields of tables are pushed beyond */
     daft_volume volume = read_volume(L, h, 1);
     daft_dvec3 from = api_place(L, h, 2, "from");
     daft_vec3 direction = api_vec3(L, h, 3, "direction");
@@ -130,12 +135,12 @@ static int cast(lua_State *L, host *h)
     daft_query_hit hit;
     daft_error error;
     bool found = daft_query_cast(h->def.scene, &volume, from, direction, far_limit, &filter, &hit, &error);
-    return answer(L, h, found, &hit, &error);
+    return answer(L, h, found, &hit, 6, &error);
 }
 
 static int overlap(lua_State *L, host *h)
 {
-    lua_settop(L, 3); /* fields of tables are pushed beyond */
+    lua_settop(L, 4); /* fields of tables are pushed beyond */
     daft_volume volume = read_volume(L, h, 1);
     daft_dvec3 at = api_place(L, h, 2, "at");
     daft_query_filter filter = read_filter(L, h, 3);
@@ -143,39 +148,42 @@ static int overlap(lua_State *L, host *h)
     daft_error error;
     uint32_t count = daft_query_overlap(h->def.scene, &volume, at, &filter, hits, MOST, &error);
     if (error.code != DAFT_OK) api_engine_error(L, h, &error);
-    lua_createtable(L, (int)(count < MOST ? count : MOST), 0);
-    for (uint32_t i = 0; i < count && i < MOST; i++) {
+    if (count > MOST) count = MOST;
+    api_push_out(L, h, 4, "list");
+    for (uint32_t i = 0; i < count; i++) {
         api_push_entity(L, hits[i].entity.id);
         lua_rawseti(L, -2, (lua_Integer)i + 1);
     }
+    api_end_list(L, (lua_Integer)count);
     return 1;
 }
 
 static int closest(lua_State *L, host *h)
 {
-    lua_settop(L, 3); /* fields of tables are pushed beyond */
+    lua_settop(L, 4); /* fields of tables are pushed beyond */
     daft_dvec3 from = api_place(L, h, 1, "from");
     float far_limit = read_distance(L, h, 2);
     daft_query_filter filter = read_filter(L, h, 3);
     daft_query_hit hit;
     daft_error error;
     bool found = daft_query_closest(h->def.scene, from, far_limit, &filter, &hit, &error);
-    return answer(L, h, found, &hit, &error);
+    return answer(L, h, found, &hit, 4, &error);
 }
 
 static const api_function FUNCTIONS[] = {
-    {"query.ray", "(from, direction [, max_distance [, options]]) -> hit or nil",
-     "The nearest body along a ray: {entity =, distance =, position =, normal =, inside =}.", ray, 0},
-    {"query.all", "(from, direction [, max_distance [, options]]) -> hits",
+    {"query.ray", "(from, direction [, max_distance [, options [, hit]]]) -> hit or nil",
+     "The nearest body along a ray: {entity =, distance =, position =, normal =, inside =}. hit, list: tables to fill.",
+     ray, 0},
+    {"query.all", "(from, direction [, max_distance [, options [, list]]]) -> hits",
      "All bodies along a ray, nearest first, up to 256.", rays, 0},
-    {"query.cast", "(shape, from, direction [, max_distance [, options]]) -> hit or nil",
+    {"query.cast", "(shape, from, direction [, max_distance [, options [, hit]]]) -> hit or nil",
      "The same for a shape that moves: {sphere = radius}, {box = {x, y, z}} or {capsule = {radius, height}},\n"
      "and rotation.",
      cast, 0},
-    {"query.overlap", "(shape, at [, options]) -> entities", "The bodies that a shape overlaps, up to 256.", overlap,
-     0},
-    {"query.closest", "(from [, max_distance [, options]]) -> hit or nil", "The nearest point of any body.", closest,
-     0},
+    {"query.overlap", "(shape, at [, options [, list]]) -> entities", "The bodies that a shape overlaps, up to 256.",
+     overlap, 0},
+    {"query.closest", "(from [, max_distance [, options [, hit]]]) -> hit or nil", "The nearest point of any body.",
+     closest, 0},
 };
 
 const api_area api_query = {"Queries of bodies", FUNCTIONS, COUNT_OF(FUNCTIONS)};

@@ -1,9 +1,10 @@
 /* Functions that run over many ticks: daft.start and its kin. Each is a coroutine, a task, that the host resumes after
- * daft.update of the tick it waits for. They count ticks and know no clock, so a replay repeats them.
+ * daft.update of the tick it waits for. They count ticks and know no clock, so a replay repeats them: ticks of the
+ * game's time, which daft.time_scale slows down, where seconds were given, else updates.
  *
- * The registry has two tables: tasks in the order in which they began, and what each waits for: a tick, a function
- * that is to say true, or true while it runs, false once it has been cancelled there. A task that is not in the second
- * has ended. */
+ * The registry has two tables: tasks in the order in which they began, and what each waits for: the number of
+ * an update, a time as a float (host.clock), a function that is to say true, or true while it runs, false once it has
+ * been cancelled there. A task that is not in the second has ended. */
 #include "lua/api.h"
 
 #include "common/util.h"
@@ -43,12 +44,27 @@ static int get_wait(lua_State *L, int task)
     return type;
 }
 
-static lua_Integer ticks_of(lua_State *L, host *h, int index)
+/* Ticks of the game's time as a float, at least 1; no seconds: 1 as a whole number, which is an update, however fast
+ * time goes. */
+static void push_period(lua_State *L, host *h, int index)
 {
-    double seconds = api_number(L, h, index, "seconds");
+    const double seconds = api_number(L, h, index, "seconds");
     if (!(seconds >= 0 && seconds <= 1e9)) api_wrong(L, h, index, "seconds", "number from 0 to a billion");
-    double ticks = ceil(seconds * 60 - 1e-6);
-    return ticks > 1 ? (lua_Integer)ticks : 1;
+    const double ticks = ceil(seconds * 60 - 1e-6);
+    if (seconds == 0)
+        lua_pushinteger(L, 1);
+    else
+        lua_pushnumber(L, ticks > 1 ? ticks : 1);
+}
+
+/* Replaces the period on top by when it is over, counted from now. */
+static void from_now(lua_State *L, host *h)
+{
+    if (lua_isinteger(L, -1))
+        lua_pushinteger(L, (lua_Integer)h->tick + lua_tointeger(L, -1));
+    else
+        lua_pushnumber(L, h->clock + lua_tonumber(L, -1));
+    lua_remove(L, -2);
 }
 
 /* ---- running ----------------------------------------------------------------------------------------------------- */
@@ -94,6 +110,7 @@ static void run(lua_State *L, host *h)
 static bool is_due(lua_State *L, host *h)
 {
     if (lua_isinteger(L, -1)) return lua_tointeger(L, -1) <= (lua_Integer)h->tick;
+    if (lua_type(L, -1) == LUA_TNUMBER) return lua_tonumber(L, -1) <= h->clock + 1e-6;
     if (!lua_isfunction(L, -1)) return false; /* it runs */
     lua_pushvalue(L, -1);
     lua_call(L, 0, 1);
@@ -177,28 +194,36 @@ static int start(lua_State *L, host *h)
 
 static int after(lua_State *L, host *h)
 {
-    lua_Integer ticks = ticks_of(L, h, 1);
+    push_period(L, h, 1);
+    from_now(L, h);
+    lua_replace(L, 1);
     check_function(L, h, 2);
     lua_State *co = new_task(L, h);
     lua_pushvalue(L, 2);
     lua_xmove(L, co, 1);
-    lua_pushinteger(L, (lua_Integer)h->tick + ticks);
+    lua_pushvalue(L, 1);
     set_wait(L, -2);
     return 1;
 }
 
-/* The function, ticks, and the tick it is next due at are on the stack. */
+/* The function, its period, and when it is next due are on the stack. */
 static int repeat_again(lua_State *L, int status, lua_KContext context);
 
 static int repeat_ended(lua_State *L, int status, lua_KContext unused)
 {
     (void)status, (void)unused;
     if (lua_isboolean(L, -1) && !lua_toboolean(L, -1)) return 0;
-    lua_Integer due = lua_tointeger(L, 3) + lua_tointeger(L, 2);
-    lua_settop(L, 2);
-    lua_pushinteger(L, due);
+    const double clock = api_host(L)->clock;
+    lua_settop(L, 3);
+    lua_pushvalue(L, 2);
+    lua_arith(L, LUA_OPADD);
+    /* What is due more often than once a tick, since time goes fast, does not fall behind for ever. */
+    if (!lua_isinteger(L, 3) && lua_tonumber(L, 3) < clock) {
+        lua_pushnumber(L, clock);
+        lua_replace(L, 3);
+    }
     lua_pushlightuserdata(L, (void *)(uintptr_t)&YIELDED);
-    lua_pushinteger(L, due);
+    lua_pushvalue(L, 3);
     return lua_yieldk(L, 2, 0, repeat_again);
 }
 
@@ -215,15 +240,20 @@ static int repeat(lua_State *L) { return repeat_again(L, LUA_OK, 0); }
 
 static int every(lua_State *L, host *h)
 {
-    lua_Integer ticks = ticks_of(L, h, 1), due = (lua_Integer)h->tick + ticks;
+    push_period(L, h, 1);
+    lua_replace(L, 1);
     check_function(L, h, 2);
+    lua_settop(L, 2);
     lua_State *co = new_task(L, h);
     lua_pushcfunction(co, repeat);
     lua_pushvalue(L, 2);
-    lua_xmove(L, co, 1);
-    lua_pushinteger(co, ticks);
-    lua_pushinteger(co, due);
-    lua_pushinteger(L, due);
+    lua_pushvalue(L, 1);
+    lua_pushvalue(L, 1);
+    from_now(L, h);
+    lua_pushvalue(L, -1);
+    lua_insert(L, 3); /* when it is due, below the task */
+    lua_xmove(L, co, 3);
+    lua_pushvalue(L, 3);
     set_wait(L, -2);
     return 1;
 }
@@ -246,9 +276,12 @@ static int yield(lua_State *L)
 
 static int wait(lua_State *L, host *h)
 {
-    lua_Integer ticks = lua_isnoneornil(L, 1) ? 1 : ticks_of(L, h, 1);
+    if (lua_isnoneornil(L, 1))
+        lua_pushinteger(L, 1);
+    else
+        push_period(L, h, 1);
     check_task(L, h);
-    lua_pushinteger(L, (lua_Integer)h->tick + ticks);
+    from_now(L, h);
     return yield(L);
 }
 

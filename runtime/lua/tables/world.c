@@ -1,4 +1,4 @@
-/* Rays, gravity, time, random numbers, and the life of the game. */
+/* Rays, points of the screen, gravity, time, and the life of the game. */
 #include "lua/api.h"
 
 #include "common/util.h"
@@ -8,19 +8,35 @@
 
 /* ---- rays ---- */
 
-static int push_hit(lua_State *L, const daft_ray_hit *hit)
+/* `into`: the place of a table for it, or of nil. */
+static int push_hit(lua_State *L, host *h, const daft_ray_hit *hit, int into)
 {
-    lua_createtable(L, 0, 6);
+    api_push_out(L, h, into, "hit");
     api_push_entity(L, hit->entity.id);
     lua_setfield(L, -2, "entity");
     lua_pushnumber(L, (double)hit->distance);
     lua_setfield(L, -2, "distance");
-    api_push_vec3(L, hit->position.x, hit->position.y, hit->position.z);
-    lua_setfield(L, -2, "position");
-    api_push_vec3(L, (double)hit->normal.x, (double)hit->normal.y, (double)hit->normal.z);
-    lua_setfield(L, -2, "normal");
+    api_set_vec3(L, "position", hit->position.x, hit->position.y, hit->position.z);
+    api_set_vec3(L, "normal", (double)hit->normal.x, (double)hit->normal.y, (double)hit->normal.z);
     lua_pushinteger(L, (lua_Integer)hit->triangle + 1);
     lua_setfield(L, -2, "triangle");
+    return 1;
+}
+
+/* [, max_distance [, ignore [, hit]]] from `index` on. */
+static int cast(lua_State *L, host *h, daft_dvec3 from, daft_vec3 direction, int index)
+{
+    float far_limit = FLT_MAX;
+    if (!lua_isnoneornil(L, index)) far_limit = api_float(L, h, index, "max_distance");
+    if (!(far_limit > 0)) api_wrong(L, h, index, "max_distance", "number above 0");
+    daft_entity ignore = {0};
+    if (!lua_isnoneornil(L, index + 1)) ignore = api_entity_at(L, h, index + 1, "ignore");
+    daft_ray_hit hit;
+    daft_error error = {0};
+    if (daft_scene_cast_ray(h->def.scene, from, direction, far_limit, ignore, &hit, &error))
+        return push_hit(L, h, &hit, index + 2);
+    if (error.code != DAFT_OK) api_engine_error(L, h, &error);
+    lua_pushnil(L);
     return 1;
 }
 
@@ -29,20 +45,37 @@ static int raycast(lua_State *L, host *h)
     daft_dvec3 from = api_place(L, h, 1, "from");
     daft_vec3 direction = api_vec3(L, h, 2, "direction");
     if (direction.x == 0 && direction.y == 0 && direction.z == 0) api_error(L, h, "direction: it has no length");
-    float far_limit = FLT_MAX;
-    if (!lua_isnoneornil(L, 3)) far_limit = api_float(L, h, 3, "max_distance");
-    if (!(far_limit > 0)) api_wrong(L, h, 3, "max_distance", "number above 0");
-    daft_entity ignore = {0};
-    if (!lua_isnoneornil(L, 4)) ignore = api_entity_at(L, h, 4, "ignore");
-    daft_ray_hit hit;
-    daft_error error = {0};
-    if (daft_scene_cast_ray(h->def.scene, from, direction, far_limit, ignore, &hit, &error)) return push_hit(L, &hit);
-    if (error.code != DAFT_OK) api_engine_error(L, h, &error);
-    lua_pushnil(L);
-    return 1;
+    return cast(L, h, from, direction, 3);
 }
 
-/* ---- time and chance ---- */
+/* ---- points of the screen ---- */
+
+/* Two numbers from `index` on, or the mouse's place where there are none. */
+static daft_vec3 read_screen_ray(lua_State *L, host *h, const daft_camera *camera)
+{
+    double x = (double)h->def.keys->mouse_x, y = (double)h->def.keys->mouse_y;
+    if (!lua_isnoneornil(L, 1)) x = api_number(L, h, 1, "x"), y = api_number(L, h, 2, "y");
+    const double width = (double)host_width(h), height = CANVAS_HEIGHT;
+    return daft_camera_ray(camera, x / width, y / height, height / width);
+}
+
+static int screen_ray(lua_State *L, host *h)
+{
+    const daft_camera camera = daft_scene_camera(h->def.scene, 1);
+    const daft_vec3 ray = read_screen_ray(L, h, &camera);
+    api_push_vec3(L, camera.position.x, camera.position.y, camera.position.z);
+    api_push_vec3(L, (double)ray.x, (double)ray.y, (double)ray.z);
+    return 2;
+}
+
+static int pick_entity(lua_State *L, host *h)
+{
+    const daft_camera camera = daft_scene_camera(h->def.scene, 1);
+    const daft_vec3 ray = read_screen_ray(L, h, &camera);
+    return cast(L, h, camera.position, ray, 3);
+}
+
+/* ---- time ---- */
 
 static int gravity(lua_State *L, host *h)
 {
@@ -52,46 +85,28 @@ static int gravity(lua_State *L, host *h)
 
 static int time_now(lua_State *L, host *h)
 {
-    lua_pushnumber(L, (double)h->tick / 60.0);
+    lua_pushnumber(L, h->clock / 60.0);
     return 1;
+}
+
+static int time_scale(lua_State *L, host *h)
+{
+    enum { FASTEST = 4 }; /* longer steps of the simulation would be less exact than games bear */
+    if (lua_gettop(L) == 0) {
+        lua_pushnumber(L, h->next_scale);
+        return 1;
+    }
+    api_check_may_change(L, h);
+    const double scale = api_number(L, h, 1, "scale");
+    if (!(scale >= 0 && scale <= FASTEST)) api_wrong(L, h, 1, "scale", "number from 0 to 4");
+    h->next_scale = scale;
+    return 0;
 }
 
 static int tick(lua_State *L, host *h)
 {
     lua_pushinteger(L, (lua_Integer)h->tick);
     return 1;
-}
-
-/* 0 .. span, each equally likely: values of the smallest mask that holds the span, until one fits. */
-static uint64_t pick(random_state *state, uint64_t span)
-{
-    uint64_t mask = span;
-    for (int shift = 1; shift < 64; shift *= 2) mask |= mask >> shift;
-    uint64_t value;
-    do value = random_next(state) & mask;
-    while (value > span);
-    return value;
-}
-
-static int random_number(lua_State *L, host *h)
-{
-    random_state *state = h->picture ? &h->draw_random : &h->random;
-    int count = lua_gettop(L);
-    if (count == 0) {
-        lua_pushnumber(L, (double)(random_next(state) >> 11) * 0x1p-53);
-        return 1;
-    }
-    lua_Integer low = count > 1 ? api_whole(L, h, 1, "low") : 1, high = api_whole(L, h, count > 1 ? 2 : 1, "high");
-    if (low > high)
-        api_error(L, h, "high: a number of %lld or more expected, got %lld", (long long)low, (long long)high);
-    lua_pushinteger(L, (lua_Integer)((uint64_t)low + pick(state, (uint64_t)high - (uint64_t)low)));
-    return 1;
-}
-
-static int random_reseed(lua_State *L, host *h)
-{
-    random_seed(&h->random, lua_isnone(L, 1) ? h->def.seed : (uint64_t)api_whole(L, h, 1, "seed"));
-    return 0;
 }
 
 /* ---- life ---- */
@@ -110,14 +125,38 @@ static int restart(lua_State *L, host *h)
     return 0;
 }
 
+/* A table from names to entities, of those from `first` on; of two with one name, the first. */
+static int push_named(lua_State *L, host *h, uint32_t first)
+{
+    const uint32_t count = daft_scene_named_count(h->def.scene);
+    lua_newtable(L);
+    for (uint32_t i = first; i < count; i++) {
+        daft_named_entity named;
+        daft_scene_get_named(h->def.scene, i, &named, NULL);
+        api_push_entity(L, named.entity.id);
+        lua_pushstring(L, named.name);
+        api_set_name(L, -2);
+        lua_pushstring(L, named.name);
+        const bool taken = lua_rawget(L, -3) != LUA_TNIL;
+        lua_pop(L, 1);
+        if (taken)
+            lua_pop(L, 1);
+        else
+            lua_setfield(L, -2, named.name);
+        api_poll(L, i);
+    }
+    return 1;
+}
+
 static int load_scene(lua_State *L, host *h)
 {
     const char *name = api_text(L, h, 1, "file");
     char path[PATH_SIZE];
     daft_error error;
     if (!host_find_file(h, name, path, sizeof path, &error)) api_engine_error(L, h, &error);
+    const uint32_t before = daft_scene_named_count(h->def.scene);
     if (!daft_scene_load(h->def.scene, path, &error)) api_engine_error(L, h, &error);
-    return 0;
+    return push_named(L, h, before);
 }
 
 static int quality(lua_State *L, host *h)
@@ -132,20 +171,24 @@ static int quality(lua_State *L, host *h)
 }
 
 static const api_function FUNCTIONS[] = {
-    {"raycast", "(from, direction [, max_distance [, ignore]]) -> hit or nil",
+    {"raycast", "(from, direction [, max_distance [, ignore [, hit]]]) -> hit or nil",
      "The nearest visible entity along a ray: {entity =, distance =, position =, normal =, triangle =}.\n"
-     "from may be an entity; ignore is one that the ray passes through.",
+     "from may be an entity; ignore is one that the ray passes through; hit a table to fill.",
      raycast, 0},
+    {"screen_ray", "([x, y]) -> from, direction",
+     "The ray from the camera through a point of the picture, in HUD units; the mouse's unless given.", screen_ray, 0},
+    {"pick", "([x, y [, max_distance [, ignore [, hit]]]]) -> hit or nil",
+     "What is seen at a point of the picture, or under the mouse: what daft.raycast gives.", pick_entity, 0},
     {"gravity", "(x, y, z)", "In m/s²; 0, -9.81, 0 unless set.", gravity, API_CHANGES},
-    {"time", "() -> seconds", "Of the game: ticks / 60.", time_now, 0},
+    {"time", "() -> seconds", "Of the game: ticks / 60, times what daft.time_scale said in each.", time_now, 0},
+    {"time_scale", "([scale]) -> scale",
+     "How fast the game's time goes from the next tick on: 1; slow motion below; 0: a pause; up to 4. dt of "
+     "daft.update,\n"
+     "the simulation, daft.time and tasks follow it; ticks do not.",
+     time_scale, 0},
     {"tick", "() -> number", "Updates since the game began.", tick, 0},
-    {"random", "([m [, n]]) -> number",
-     "0 <= x < 1; or a whole number from 1 to m, or from m to n. The same in every run with the same seed;\n"
-     "math.random is the same function. Within daft.draw it draws from a sequence of its own.",
-     random_number, 0},
-    {"randomseed", "([seed])", "Starts the sequence again; math.randomseed is the same function.", random_reseed,
-     API_CHANGES},
-    {"scene", "(\"file.scene\")", "Adds what a scene file describes.", load_scene, API_CHANGES},
+    {"scene", "(\"file.scene\") -> table",
+     "Adds what a scene file describes; gives the entities that it names, by name.", load_scene, API_CHANGES},
     {"quality", "{target_ms =}",
      "Asks for frames that take at most so many milliseconds, by pictures that are less exact where they\n"
      "must be; 0: whatever they take. What the player asked for goes first. Nothing else changes.",

@@ -117,11 +117,13 @@ static void what_is_recorded_reads_back_to_the_bit(void **unused)
     uint64_t tick = 0;
     for (int i = 0; i < EVENTS; i++) {
         tick += next(3);
-        input_event event = {.kind = (input_kind)next(5)};
+        input_event event = {.kind = (input_kind)next(6)};
         if (event.kind == INPUT_KEY)
             event.key = (int)next(keys), event.down = next(2);
         else if (event.kind == INPUT_STICK)
             event.key = (int)next(INPUT_STICKS), event.x = (float)next(1u << 30) * 0x1p-29f - 1;
+        else if (event.kind == INPUT_WIDTH)
+            event.x = 1 + (float)next(1u << 30) * 1e-5f;
         else
             event.x = (float)next(1u << 30) / 12345.0f - 3000, event.y = -(float)next(1u << 30) * 1e-20f;
         items[i] = (recording_item){tick, event};
@@ -150,7 +152,7 @@ static void playing_gives_each_tick_its_events(void **unused)
     (void)unused;
     FILE *file = fopen(temporary(), "w");
     fputs("daft-recording 1\n\n# a comment\ngame x\nrate 60\n0 +left\n3 -left\n3 +left shift\n7 mouse 1.5 2\n7 motion "
-          "3 4\n7 motion 1 0\nend 9\n",
+          "3 4\n7 motion 1 0\n8 width 960\nend 9\n",
           file);
     fclose(file);
     daft_error error;
@@ -165,6 +167,7 @@ static void playing_gives_each_tick_its_events(void **unused)
         assert_int_equal(keys.pressed[key("left shift")], tick == 3);
         assert_true(keys.mouse_x == (tick >= 7 ? 1.5f : 0));
         assert_true(keys.motion_x == (tick == 7 ? 4 : 0));
+        assert_true(keys.width == (tick >= 8 ? 960 : 0));
     }
     recording_free(&record);
     unlink(temporary());
@@ -281,9 +284,10 @@ static void bad_files_say_where(void **unused)
         {"daft-recording 1\nseed x\nend 1\n", 2, 6, "whole number"},
         {"daft-recording 1\n5 +left\n4 -left\nend 9\n", 3, 3, "must not go back"},
         {"daft-recording 1\n5 +lefft\nend 9\n", 2, 4, "did you mean 'left'?"},
-        {"daft-recording 1\n5 left\nend 9\n", 2, 3, "+key, -key, mouse, motion, wheel or stick"},
+        {"daft-recording 1\n5 left\nend 9\n", 2, 3, "+key, -key, mouse, motion, wheel, stick or width"},
         {"daft-recording 1\n5 mouse 1\nend 9\n", 2, 10, "a number expected"},
         {"daft-recording 1\n5 mouse 1 nan\nend 9\n", 2, 11, "a number expected"},
+        {"daft-recording 1\n5 width wide\nend 9\n", 2, 9, "a number expected"},
         {"daft-recording 1\n5 wheel 1 2 3\nend 9\n", 2, 13, "unexpected text '3'"},
         {"daft-recording 1\nmove\nend 9\n", 2, 1, "a tick"},
         {"daft-recording 1\n99999999999999999999 +left\nend 9\n", 2, 1, "a tick"},

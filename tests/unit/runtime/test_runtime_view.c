@@ -75,7 +75,7 @@ static void rays_go_through_their_pixels(void **unused)
 {
     (void)unused;
     daft_camera camera = daft_camera_look_at((daft_dvec3){1, 2, 3}, (daft_dvec3){4, 1, 9}, 1);
-    daft_vec3 middle = fly_ray(&camera, 0.5, 0.5, 0.5), edge = fly_ray(&camera, 1, 0.5, 0.5);
+    daft_vec3 middle = daft_camera_ray(&camera, 0.5, 0.5, 0.5), edge = daft_camera_ray(&camera, 1, 0.5, 0.5);
     double length = sqrt(46), cosine = 0;
     assert_true(fabs((double)middle.x - 3 / length) < 1e-6 && fabs((double)middle.y + 1 / length) < 1e-6);
     cosine = (double)middle.x * (double)edge.x + (double)middle.y * (double)edge.y + (double)middle.z * (double)edge.z;
