@@ -35,16 +35,17 @@ function cameras.orbit(view, time, jump)
     go({ view[1] + far * math.cos(angle), view[2] + far * 0.42, view[3] + far * math.sin(angle) }, { view[1] - side * math.sin(angle), view[2], view[3] + side * math.cos(angle) }, 3, jump)
 end
 
-local function behind(catapult)
+-- Behind the catapult; looks the higher, the higher the towers are.
+local function behind(catapult, view)
     local c, s = math.cos(catapult.yaw), math.sin(catapult.yaw)
-    return { -10 * c + 1.6 * s, 5.6, -10 * s - 1.6 * c }, { 16 * c, 2.2, 16 * s }
+    return { -10 * c + 1.6 * s, 5.6, -10 * s - 1.6 * c }, { 16 * c, 2.2 + math.max(0, view[2] - 3) * 0.6, 16 * s }
 end
 
 -- Over the towers and back to the catapult.
 function cameras.fly(view, catapult)
     local x, y, z, far = view[1], view[2], view[3], view[4] * 0.7 + 7
     local look = { x, y, z }
-    local home, ahead = behind(catapult)
+    local home, ahead = behind(catapult, view)
     path = { time = 0, seconds = 5.5,
         { { x + far, y + far * 0.7, z + far * 0.4 }, look },
         { { x + far * 0.5, y + far * 0.4, z - far }, look },
@@ -59,8 +60,8 @@ end
 function cameras.flying() return path ~= nil end
 function cameras.skip() path = nil end
 
-function cameras.aim(catapult)
-    local f, a = behind(catapult)
+function cameras.aim(catapult, view)
+    local f, a = behind(catapult, view)
     go(f, a, 6)
 end
 

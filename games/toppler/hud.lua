@@ -11,11 +11,12 @@ end
 function hud.stars(count) return ("★"):rep(count) .. ("☆"):rep(3 - count) end
 
 local function shots(game)
-    local x = 24
+    local x = 42
     daft.rect(12, 658, 34 + 38 * #game.level.shots, 50, "#1a142690")
     for i, kind in ipairs(game.level.shots) do
         local gone = i < game.shot or (i == game.shot and game.state ~= "aim" and game.state ~= "fly")
-        daft.text("●", x, 660, { size = 40, color = gone and "#ffffff30" or SHOT_COLORS[kind] })
+        daft.circle(x, 683, 14, gone and "#ffffff30" or SHOT_COLORS[kind])
+        if i == game.shot then daft.circle(x, 683, 17, { color = "#ffffffc0", width = 2 }) end
         x = x + 38
     end
 end

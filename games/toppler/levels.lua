@@ -116,6 +116,9 @@ local function babel(b)
     local upper = b.tower({ "purple", "white" }, 29, 0, 2.4, 10, 4, 0.5, 0.4, top + 0.2)
     for i = -2, 2 do b.add("wood", 29, upper + 0.08, i, { 5, 0.16, 0.96 }) end
     b.king(29, upper + 0.16, 0)
+    for _, z in ipairs { -6, 6 } do -- two posts at the gate, fourteen blocks each
+        b.column({ "white", "purple" }, 25, z, 14, { 0.8, 0.5, 0.8 })
+    end
 end
 
 return {

@@ -280,7 +280,7 @@ local function look(dt)
     if game.state == "title" then
         cameras.orbit(view, view_time)
     elseif game.state == "aim" and not controls.peek() then
-        cameras.aim(catapult)
+        cameras.aim(catapult, view)
     elseif ball and thrown and thrown < 2 then
         cameras.follow(ball, view)
     elseif game.state ~= "fly" then

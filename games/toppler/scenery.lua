@@ -64,7 +64,7 @@ end
 
 -- Trees near the rim, in a fixed order that looks like none; none before the catapult or behind the towers.
 local function plant()
-    for i = 1, 26 do
+    for i = 1, 20 do
         local angle = i * 2.399 + 0.4
         local far = RADIUS * (0.72 + 0.2 * ((i * 7) % 10) / 10)
         local x, z = MIDDLE + far * math.cos(angle), far * math.sin(angle)

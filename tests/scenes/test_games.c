@@ -75,22 +75,45 @@ static void assert_toppler_won(const char *text)
     assert_level_won(text, 10);
 }
 
+/* What a copy of the toppler prints that `change`, a shell command in its folder, has altered. */
+static char *play_changed_toppler(const char *change, int ticks)
+{
+    char folder[] = "/tmp/daft_test_XXXXXX", command[1024];
+    assert_non_null(mkdtemp(folder));
+    snprintf(command, sizeof command, "cp -r '%s/games/toppler' '%s' && cd '%s/toppler' && %s", DAFT_ROOT, folder,
+             folder, change);
+    assert_int_equal(system(command), 0);
+    char *text = play("'%s/toppler' --ticks %d", folder, ticks);
+    snprintf(command, sizeof command, "rm -rf '%s'", folder);
+    assert_int_equal(system(command), 0);
+    assert_non_null(text);
+    return text;
+}
+
 /* From the first start on: each level opens the next. */
 static void toppler_can_be_won(void **state)
 {
     (void)state;
-    char folder[] = "/tmp/daft_test_XXXXXX", command[1024];
-    assert_non_null(mkdtemp(folder));
-    snprintf(command, sizeof command,
-             "cp -r '%s/games/toppler' '%s' && sed -i.old 's/^local playing = false/local playing = true/' "
-             "'%s/toppler/bot.lua'",
-             DAFT_ROOT, folder, folder);
-    assert_int_equal(system(command), 0);
-    char *text = play("'%s/toppler' --ticks 10800", folder);
-    snprintf(command, sizeof command, "rm -rf '%s'", folder);
-    assert_int_equal(system(command), 0);
-    assert_non_null(text);
+    char *text = play_changed_toppler("sed -i.old 's/^local playing = false/local playing = true/' bot.lua", 10800);
     for (int level = 1; level <= 10; level++) assert_level_won(text, level);
+    free(text);
+}
+
+static void toppler_stands_by_itself(void **state)
+{
+    (void)state;
+    char *text = play_changed_toppler("cat '" DAFT_ROOT "/tests/scenes/toppler/stands.lua' >>main.lua", 6600);
+    const char *last = strstr(text, "level 10 stands: ");
+    assert_non_null(last);
+    assert_in_range(atoi(last + strlen("level 10 stands: ")), 490, 500);
+    free(text);
+}
+
+static void toppler_takes_a_gamepad(void **state)
+{
+    (void)state;
+    char *text = play_changed_toppler("cat '" DAFT_ROOT "/tests/scenes/toppler/pad.lua' >>main.lua", 300);
+    assert_non_null(strstr(text, "the gamepad plays"));
     free(text);
 }
 
@@ -131,6 +154,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(marble_demo_wins_everywhere_alike),
                                        cmocka_unit_test(toppler_demo_wins_everywhere_alike),
-                                       cmocka_unit_test(toppler_can_be_won)};
+                                       cmocka_unit_test(toppler_can_be_won), cmocka_unit_test(toppler_stands_by_itself),
+                                       cmocka_unit_test(toppler_takes_a_gamepad)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
