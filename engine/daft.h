@@ -844,7 +844,10 @@ typedef struct daft_view {
     int row_count;    /* of the band; a multiple of 32 or up to the last row; 0: from first_row to the last */
     uint32_t without; /* DAFT_WITHOUT_…; 0: the whole picture */
     daft_aov aov;
-    daft_history *history;                    /* drawing a whole picture, no band, makes it the last one; NULL: none */
+    /* Drawing a whole picture, no band, makes it the last one; of a picture without channels by the same camera only
+     * tiles are drawn that a change may reach, unless `full` asks for all. NULL: none. */
+    daft_history *history;
+    bool full;
     bool (*progress)(void *user, float done); /* done 0..1; return false to stop; called from the calling thread */
     void *progress_user;
 } daft_view;
@@ -1091,8 +1094,9 @@ typedef struct daft_counters {
     double frame_ms; /* wall time of the whole picture */
     uint64_t camera_rays, shadow_rays, reflection_rays, refraction_rays, query_rays;
     uint64_t instances_seen, triangles_tested, triangles_binned, spheres_binned;
-    uint64_t exact_edges;        /* edge tests that floats could not decide */
-    uint64_t exact_depths;       /* depth comparisons that floats could not decide */
+    uint64_t tiles_drawn;  /* of 32 × 32 pixels; fewer than the picture has where daft_view.history knew the rest */
+    uint64_t exact_edges;  /* edge tests that floats could not decide */
+    uint64_t exact_depths; /* depth comparisons that floats could not decide */
     uint64_t shadow_points_kept; /* lit points under some occluder's bound: the only ones that cast a ray */
     uint64_t mesh_builds;        /* BVHs built since the scene was made */
     uint64_t mesh_refits;        /* BVHs fitted to moved vertices since the scene was made */

@@ -55,7 +55,8 @@ typedef struct daft_instance {
     float radius;              /* sphere, in frame space (scale applied) */
     daft_vec3 low, high;       /* bounds in frame space */
     const uint32_t *materials; /* material index of each of the mesh's slots; a sphere has one slot */
-    uint32_t entity;           /* the caller's id, only carried */
+    uint32_t entity, order;    /* the caller's: only carried; the second grows along a list of instances */
+    uint64_t shape;            /* of the mesh, its tree and its vertices: no others had or will have it */
     uint32_t flags;
 } daft_instance;
 

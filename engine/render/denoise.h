@@ -14,6 +14,9 @@ typedef struct daft_seen_pixel {
                   */
 } daft_seen_pixel;
 
+/* Pictures that count together: more would leave trails behind moving shadows. */
+#define DAFT_LONGEST_PAST 8
+
 bool daft_past_prepare(daft_past *past, const daft_allocator *allocator, const daft_snapshot *s, daft_error *error);
 /* `ratio`: what the pixel found; becomes the mean with what was found before, which is remembered. Different pixels may
  * be asked at the same time. Gives over how many pictures. */

@@ -1,6 +1,7 @@
 /* A frame: the plan, then for each sample the pencil's three passes and the tiles. */
 #include "math/trig.h"
 #include "render/internal.h"
+#include "render/redraw.h"
 
 #include <string.h>
 
@@ -162,6 +163,8 @@ static void count_work(daft_frame *frame)
     choose_rows(frame, 0);
     frame->band_tile = frame->first_tile;
     if (frame->edge_scale) frame->tiles_in_all += frame->tile_count;
+    if (frame->tiles)
+        frame->tiles_in_all = frame->listed * ((uint32_t)frame->snapshot->preset.samples + (frame->edge_scale ? 1 : 0));
 }
 
 /* Scaled coordinates of pixels are below 2^14, so very large pictures have no grids. */
@@ -198,10 +201,11 @@ static bool render_edges(daft_frame *frame, daft_error *error)
     const int threads = frame->renderer->threads;
     const bool corners = frame->edge_scale == 1;
     choose_rows(frame, 0);
-    daft_parallel_for(threads, corners ? frame->corner_tiles : frame->tile_count,
-                      corners ? daft_corners_tile : daft_refine_tile, frame);
+    const uint32_t asked = frame->tiles ? frame->listed : corners ? frame->corner_tiles : frame->tile_count;
+    daft_parallel_for(threads, asked, corners ? daft_corners_tile : daft_refine_tile, frame);
     if (atomic_load(&frame->cancelled)) return daft_fail(error, DAFT_ERROR_CANCELLED, "rendering was stopped");
-    daft_parallel_for(threads, frame->tile_count, corners ? daft_mix_tile : daft_show_edges, frame);
+    daft_parallel_for(threads, frame->tiles ? frame->mixed_count : frame->tile_count,
+                      corners ? daft_mix_tile : daft_show_edges, frame);
     return true;
 }
 
@@ -229,7 +233,7 @@ static bool render_sample(daft_frame *frame, daft_counters *counters, daft_error
     counters->effects[DAFT_EFFECT_VISIBILITY].ms += daft_clock_ms() - start;
     choose_rows(frame, apron_of(frame));
     if (frame->sample == 0 && !daft_denoise_prepare(frame, error)) return false;
-    daft_parallel_for(r->threads, frame->tile_count, daft_render_tile, frame);
+    daft_parallel_for(r->threads, frame->tiles ? frame->listed : frame->tile_count, daft_render_tile, frame);
     if (frame->sample == s->preset.samples - 1 && !daft_denoise(frame, error)) return false;
     count_bins(r, counters);
     if (atomic_load(&frame->cancelled)) return daft_fail(error, DAFT_ERROR_CANCELLED, "rendering was stopped");
@@ -367,6 +371,13 @@ static void counters_begin(daft_counters *c, const daft_snapshot *s, const daft_
     c->instance_updates = updates;
 }
 
+static bool render(daft_frame *frame, daft_counters *counters, daft_error *error)
+{
+    for (frame->sample = 0; frame->sample < frame->snapshot->preset.samples; frame->sample++)
+        if (!render_sample(frame, counters, error)) return false;
+    return !frame->edge_scale || render_edges(frame, error);
+}
+
 bool daft_render_frame(daft_renderer *renderer, const daft_snapshot *snapshot, const daft_frame_target *target,
                        daft_counters *counters, daft_error *error)
 {
@@ -375,10 +386,12 @@ bool daft_render_frame(daft_renderer *renderer, const daft_snapshot *snapshot, c
     daft_frame frame = {.renderer = renderer, .snapshot = snapshot, .target = target, .plan = daft_plan_make(snapshot)};
     frame.edge_scale = edge_scale_of(snapshot);
     counters_begin(counters, snapshot, renderer);
-    if (!prepare(&frame, error)) return false;
-    for (frame.sample = 0; frame.sample < snapshot->preset.samples; frame.sample++)
-        if (!render_sample(&frame, counters, error)) return false;
-    if (frame.edge_scale && !render_edges(&frame, error)) return false;
+    if (!daft_redraw_begin(&frame, error) || !prepare(&frame, error)) return false;
+    const bool some = !frame.tiles || frame.listed;
+    if (some && !render(&frame, counters, error)) return false;
+    if (!daft_redraw_end(&frame, error)) return false;
+    counters->tiles_drawn = frame.tiles ? frame.listed : frame.tile_count;
+    for (int e = 0; e < DAFT_EFFECT_COUNT && !some; e++) frame.plan.why_not_seen[e] = "nothing has changed";
     sum_effects(&frame, counters, start, ticks);
     counters->frame_ms = daft_clock_ms() - start;
     return true;

@@ -148,6 +148,11 @@ typedef struct daft_frame {
     size_t plane_size;
     int filter_pass, filtered; /* the running pass; DAFT_NOISY_… */
     uint32_t corner_tiles;     /* those of the band and of the row below, whose corners it shares */
+    /* Where the picture before is kept: what it says of each tile; the tiles that are drawn, and those of them that are
+     * mixed with their corners. NULL: nothing is kept; all are. */
+    daft_kept *kept;
+    const uint32_t *tiles, *mixed;
+    uint32_t listed, mixed_count;
     atomic_uint tiles_done;
     atomic_bool cancelled;
 } daft_frame;

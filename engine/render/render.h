@@ -2,7 +2,7 @@
  * Promises: reads only the snapshot; the same snapshot gives the same bytes for any number of threads and any
  * instruction set; what the scene does not call for is not run, and the counters say so.
  *
- * Public headers: render.h Inner headers: internal.h kernels.h denoise.h dice.h
+ * Public headers: render.h Inner headers: internal.h kernels.h denoise.h dice.h redraw.h
  *
  * The snapshot is flat arrays in frame space: world axes, origin at the camera, floats. The caller rebases (in double).
  */
@@ -55,6 +55,8 @@ enum { DAFT_PAST_LIGHT, DAFT_PAST_GLOSS, DAFT_PASTS };
 
 void daft_past_free(daft_past *past, const daft_allocator *allocator);
 
+typedef struct daft_kept daft_kept;
+
 typedef struct daft_snapshot {
     int width, height;
     int first_row, row_count;     /* to be drawn: whole rows of tiles */
@@ -80,7 +82,55 @@ typedef struct daft_snapshot {
     const daft_affine *before;
     float before_focal;
     daft_past *past; /* DAFT_PASTS: read and, unless this is a band, written while the picture is drawn; NULL: none */
+    daft_kept *kept; /* the same of the picture as it is, so that only what changes is drawn; NULL: all is drawn */
+    daft_dvec3 eye;  /* the camera's place in the world, and a revision of the textures and the sky's image: both are
+                      * only  compared with those of the picture before */
+    uint64_t looks;
 } daft_snapshot;
+
+/* A picture as it was drawn, and all that decided it (redraw.c). All zero: none yet. */
+typedef struct daft_reach {
+    daft_vec3 low, high; /* of places, or of directions; low > high: none */
+} daft_reach;
+
+/* What one pass over a tile lit, and where that sent rays on: of points that pixels see themselves, and of others. */
+typedef struct daft_kept_pass {
+    daft_reach points[2], rays[2];
+} daft_kept_pass;
+
+typedef struct daft_kept_tile {
+    daft_kept_pass pass[2]; /* its pixels; its corners */
+} daft_kept_tile;
+
+typedef struct daft_kept_instance {
+    daft_affine to_frame, to_object;
+    daft_vec3 low, high;
+    float radius;
+    uint32_t entity, order, flags, slots;
+    uint64_t shape, materials; /* the latter by their hash */
+} daft_kept_instance;
+
+struct daft_kept {
+    bool some;
+    uint32_t still;     /* pictures in a row in which nothing changed */
+    daft_snapshot view; /* of its pointers, only the address of the sky's image is compared; width 0: no picture yet */
+    uint8_t *pixels;
+    daft_kept_tile *tiles;
+    uint8_t *state;  /* of each tile in the running picture */
+    uint32_t *lists; /* of tiles: those to draw, then those to mix with their corners */
+    uint32_t tile_count;
+    daft_kept_instance *instances;
+    uint32_t instance_count;
+    uint64_t revision; /* of the snapshot whose instances these are */
+    daft_surface *materials;
+    uint32_t material_count;
+    bool *recoloured; /* of the running picture's materials: whether they differ */
+    daft_light_source *lights;
+    size_t pixel_capacity, tile_capacity, state_capacity, list_capacity, instance_capacity, material_capacity,
+        recoloured_capacity, light_capacity;
+};
+
+void daft_kept_free(daft_kept *kept, const daft_allocator *allocator);
 
 /* Arrays of width·height or NULL; ids index the snapshot's instances, UINT32_MAX for the sky. See daft_aov. */
 typedef struct daft_frame_aov {

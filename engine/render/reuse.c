@@ -6,8 +6,6 @@
 
 #include <math.h>
 
-/* Pictures that count together: more would leave trails behind moving shadows. */
-#define LONGEST 8.0f
 /* How far the inverse depth of the picture before may be off, as a part of it; and where a mirrored image moves along a
  * surface, too. */
 #define SAME_PLACE   0.03f
@@ -85,7 +83,7 @@ float daft_past_pixel_reuse(daft_past *past, const daft_snapshot *s, const daft_
         const float slack = seen->shown == seen->inverse ? SAME_PLACE : SAME_SURFACE;
         const float weight = gather(past, &at, s->instances[seen->instance].entity, slack, &mean);
         if (weight > 0.01f) {
-            length = fminf(mean.length / weight + 1, LONGEST);
+            length = fminf(mean.length / weight + 1, (float)DAFT_LONGEST_PAST);
             for (int c = 0; c < 3; c++)
                 ratio[c] = mean.ratio[c] / weight + (ratio[c] - mean.ratio[c] / weight) / length;
         }

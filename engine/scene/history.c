@@ -10,6 +10,7 @@ typedef struct placed {
 
 struct daft_history {
     daft_past past[DAFT_PASTS]; /* of the renderer */
+    daft_kept kept;             /* of the renderer */
     uint32_t pictures;
     daft_allocator allocator;
     const daft_scene *scene; /* of the last picture; NULL: there was none */
@@ -39,6 +40,7 @@ void daft_history_destroy(daft_history *history)
     if (!history) return;
     daft_allocator allocator = history->allocator;
     for (int i = 0; i < DAFT_PASTS; i++) daft_past_free(&history->past[i], &allocator);
+    daft_kept_free(&history->kept, &allocator);
     daft_release(&allocator, history->items);
     daft_release(&allocator, history);
 }
@@ -47,6 +49,7 @@ void daft_history_forget(daft_history *history)
 {
     if (!history) return;
     history->scene = NULL;
+    history->kept.some = false;
     for (int i = 0; i < DAFT_PASTS; i++) history->past[i].some = false;
 }
 
@@ -139,10 +142,11 @@ bool daft_history_take(daft_history *history, const daft_scene *scene, const daf
                        daft_error *error)
 {
     daft_snapshot *s = &frame->snapshot;
-    s->before = NULL, s->past = NULL, s->seed = 0;
+    s->before = NULL, s->past = NULL, s->kept = NULL, s->seed = 0;
+    s->eye = view->camera.position, s->looks = scene->looks;
     if (!history) return true;
     for (int i = 0; i < DAFT_PASTS; i++) history->past[i].some &= history->scene == scene;
-    s->past = history->past, s->seed = history->pictures;
+    s->past = history->past, s->kept = view->full ? NULL : &history->kept, s->seed = history->pictures;
     if (history->scene == scene && !look_back(history, view->camera.position, s, &frame->lights, error)) return false;
     return s->row_count < s->height || remember(history, scene, view, s, error);
 }

@@ -198,9 +198,11 @@ static void place_entity(const maker *m, uint32_t i)
     const daft_entity_item *item = daft_entity_world(scene, m->entities[i], m->alpha);
     daft_instance *instance = &m->instances[i];
     const daft_mesh_item *shape = shape_of(scene, item);
-    *instance = (daft_instance){.entity = daft_slots_handle(&scene->entity_slots, m->entities[i])};
+    *instance =
+        (daft_instance){.entity = daft_slots_handle(&scene->entity_slots, m->entities[i]), .order = m->entities[i]};
     m->fits[i] = place(&item->world, m->origin, instance);
     instance->mesh = shape ? &shape->mesh : NULL;
+    instance->shape = shape ? shape->revision : 0;
     instance->bvh = shape ? shape->bvh : NULL;
     instance->kdtree = shape ? shape->kdtree : NULL;
     if (!shape) instance->radius = world_radius(&item->world, item->def.radius);

@@ -145,6 +145,7 @@ static void let_go_of_sky(daft_scene *scene)
 void daft_sky_adopt(daft_scene *scene, daft_sky_item *item)
 {
     let_go_of_sky(scene);
+    scene->looks = ++scene->engine->revision;
     scene->sky_item = item;
     scene->sky = (daft_sky){.kind = DAFT_SKY_IMAGE, .image = &item->image};
 }

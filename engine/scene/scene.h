@@ -50,7 +50,8 @@ typedef struct daft_retired {
 
 typedef struct daft_mesh_item {
     daft_retired retired;
-    char *path; /* NULL: not from a file */
+    uint64_t revision; /* the engine's, when it was made */
+    char *path;        /* NULL: not from a file */
     uint64_t hash;
     daft_trimesh mesh;
     daft_bvh *bvh;
@@ -197,6 +198,7 @@ struct daft_scene {
     uint64_t tick;       /* counts begin_tick */
     uint64_t moved_tick; /* the last in which an entity moved from one pose to another; none: UINT64_MAX */
     uint64_t revision;   /* the engine's, at the last change of what a frame or a ray could see */
+    uint64_t looks;      /* the engine's, at the last change of a texture or the sky's image */
     uint64_t walk;       /* the engine's, at the last walk over all world transforms */
 
     daft_slots light_slots;

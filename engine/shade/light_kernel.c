@@ -51,14 +51,14 @@ DAFT_INLINE vf range_falloff(const daft_batch *batch, const daft_light_source *s
     return left * left;
 }
 
-static void extent(const daft_batch *batch, daft_vec3 *low, daft_vec3 *high)
+static void extent(const daft_lanes3 *points, uint32_t count, daft_vec3 *low, daft_vec3 *high)
 {
-    const float *const from[3] = {batch->point.x, batch->point.y, batch->point.z};
+    const float *const from[3] = {points->x, points->y, points->z};
     float *const to_low[3] = {&low->x, &low->y, &low->z}, *const to_high[3] = {&high->x, &high->y, &high->z};
     for (int k = 0; k < 3; k++) {
         vf min = vf_set(from[k][0]), max = min;
-        for (uint32_t i = 0; i < batch->count; i += DAFT_VL) {
-            const vm some = vm_from_bits(vbits_first_n((int)(batch->count - i)));
+        for (uint32_t i = 0; i < count; i += DAFT_VL) {
+            const vm some = vm_from_bits(vbits_first_n((int)(count - i)));
             const vf at = vf_if_then_else(some, vf_load(&from[k][i]), vf_set(from[k][0]));
             min = vf_min(min, at), max = vf_max(max, at);
         }

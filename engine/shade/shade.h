@@ -102,7 +102,7 @@ typedef struct daft_shade_kernels {
     /* light = emission + ambient. */
     void (*ambient)(daft_batch *batch, const daft_surface *materials, daft_vec3 ambient);
     /* The least and the largest coordinates of the points, one at least. */
-    void (*extent)(const daft_batch *batch, daft_vec3 *low, daft_vec3 *high);
+    void (*extent)(const daft_lanes3 *points, uint32_t count, daft_vec3 *low, daft_vec3 *high);
     /* Sets the bits of the points that face the light (their normal's side, inside its range and a spot's cone) and
      * gives their number. Sets all points' `cosine`. */
     uint32_t (*facing)(daft_batch *batch, const daft_light_source *source, uint32_t bits[DAFT_BATCH_WORDS]);

@@ -40,7 +40,7 @@ typedef struct render_options {
     long camera, threads, repeat;
     many *all; /* NULL: this process alone */
     uint64_t memory;
-    bool camera_given, explain, term;
+    bool camera_given, explain, term, reuse;
     terminal_kind terminal;
     const char *aov_list;
     channel_set aov;
@@ -113,7 +113,7 @@ static bool render(daft_scene *scene, const render_options *o, daft_image *image
     if (o->again && !o->camera_given) view.camera = o->again->view.camera;
     view.quality = o->quality;
     view.aov = o->aov.arrays;
-    view.history = o->history;
+    view.history = o->history, view.full = !o->reuse;
     if (o->at >= 0 && !go_along_path(scene, o, &view, error)) return false;
     progress_state progress = {.frames = o->repeat};
     progress_begin(&progress.bar, "rendering");
@@ -216,7 +216,9 @@ static cli_outcome parse(render_options *o, int argc, char **argv)
         {"explain", 0, CLI_FLAG, NULL, &o->explain, 0, 0,
          "print the plan: each effect, why it ran or not, rays, milliseconds"},
         {"stats", 0, CLI_TEXT, "FILE", &o->stats, 0, 0, "write times and counters as JSON; - is stdout"},
-        {"repeat", 0, CLI_COUNT, "N", &o->repeat, 1, 100000, "render N times, for the times of --stats (1)"}};
+        {"repeat", 0, CLI_COUNT, "N", &o->repeat, 1, 100000, "render N times, for the times of --stats (1)"},
+        {"reuse", 0, CLI_FLAG, NULL, &o->reuse, 0, 0,
+         "with --repeat: draw only what has changed since the picture before"}};
     const char *operands[CLI_OPERANDS];
     size_t count;
     cli_outcome outcome = cli_parse(&COMMAND, options, COUNT_OF(options), argc, argv, operands, &count);

@@ -101,8 +101,9 @@ void stats_print_json(FILE *out, const daft_counters *c, const frame_times *time
             times->memory.used, times->memory.peak, times->memory.limit);
     fprintf(out,
             "  \"rays\": {\"camera\": %" PRIu64 ", \"shadow\": %" PRIu64 ", \"reflection\": %" PRIu64
-            ", \"refraction\": %" PRIu64 ", \"query\": %" PRIu64 "},\n  \"effects\": {\n",
-            c->camera_rays, c->shadow_rays, c->reflection_rays, c->refraction_rays, c->query_rays);
+            ", \"refraction\": %" PRIu64 ", \"query\": %" PRIu64 "},\n  \"tiles_drawn\": %" PRIu64
+            ",\n  \"effects\": {\n",
+            c->camera_rays, c->shadow_rays, c->reflection_rays, c->refraction_rays, c->query_rays, c->tiles_drawn);
     size_t named = 0;
     double frames = times->count ? (double)times->count : 1;
     for (size_t i = 0; i < DAFT_EFFECT_COUNT; i++) named += c->effects[i].name != NULL;

@@ -30,6 +30,7 @@ typedef struct session {
     governor pace;
     bool governs;
     double drawn_ms;            /* of the frame at work, and its updates */
+    bool reused;                /* parts of the picture were as before, so it says little about its quality */
     game_state games[2], *play; /* the one that runs, and room for what takes its place */
     trail past;
     watch files;
@@ -140,6 +141,12 @@ static bool draw_game(session *s, float alpha, daft_error *error)
 }
 
 /* Draws the game, or the error that stopped it. */
+static bool has_kept_tiles(const daft_counters *c)
+{
+    const uint64_t columns = ((uint64_t)c->width + 31) / 32, rows = ((uint64_t)c->height + 31) / 32;
+    return c->tiles_drawn < columns * rows;
+}
+
 static bool draw(session *s, float alpha, daft_error *error)
 {
     if (!session_fit_picture(s->def, &s->picture, error)) return false;
@@ -149,6 +156,7 @@ static bool draw(session *s, float alpha, daft_error *error)
     if (drawn) {
         double ms = (double)(clock_now_ns() - began) / 1e6;
         s->frame_ms = smooth(s->frame_ms, ms), s->drawn_ms += ms;
+        s->reused = has_kept_tiles(daft_scene_counters(s->play->scene));
         if (s->def->stats) frame_times_add(&s->times, ms, daft_scene_counters(s->play->scene));
     } else {
         canvas over = canvas_over(s->picture);
@@ -424,7 +432,7 @@ static void govern(session *s, double elapsed)
         const bool known = costs_load(s->def->costs, s->info->name, costs);
         governor_begin(&s->pace, target, s->governs ? s->pace.cost : known ? costs : NULL);
         s->governs = target > 0;
-    } else if (s->governs && spent > 0 && !s->play->failed) {
+    } else if (s->governs && spent > 0 && !s->play->failed && !(s->reused && spent < target)) {
         governor_frame(&s->pace, spent, elapsed);
     }
     s->play->def.governor = s->governs ? &s->pace : NULL;

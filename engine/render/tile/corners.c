@@ -65,11 +65,13 @@ static void shade_fresh(tile_job *j, const daft_pencil *pencil, const uint32_t f
     }
 }
 
-void daft_corners_tile(void *context, uint32_t index, uint32_t worker)
+void daft_corners_tile(void *context, uint32_t task, uint32_t worker)
 {
     daft_frame *frame = context;
     if (atomic_load_explicit(&frame->cancelled, memory_order_relaxed)) return;
+    const uint32_t index = frame->tiles ? frame->tiles[task] : task;
     tile_job j = daft_tile_again(frame, index, worker);
+    daft_redraw_tile(&j);
     const daft_neighbours around = daft_tile_neighbours(&j);
     daft_tile_part part = {.scale = 1};
     uint32_t fresh[DAFT_TILE], *words = words_of(&j, index);
@@ -102,9 +104,10 @@ static bool corners_of(const tile_job *j, uint32_t index, daft_corners *out)
     return (any | out->asked[DAFT_TILE]) != 0;
 }
 
-void daft_mix_tile(void *context, uint32_t index, uint32_t worker)
+void daft_mix_tile(void *context, uint32_t task, uint32_t worker)
 {
     daft_frame *frame = context;
+    const uint32_t index = frame->tiles ? frame->mixed[task] : task;
     tile_job j = daft_tile_again(frame, index, worker);
     daft_scratch *s = j.s;
     daft_mixed *mixed = &s->mixed;

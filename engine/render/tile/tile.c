@@ -49,7 +49,7 @@ typedef struct surroundings {
 static surroundings where(const tile_job *j, const daft_batch *points)
 {
     surroundings w;
-    j->r->shade->extent(points, &w.low, &w.high);
+    j->r->shade->extent(&points->point, points->count, &w.low, &w.high);
     const daft_vec3 half = daft_scale(daft_sub(w.high, w.low), 0.5f);
     w.middle = daft_add(w.low, half);
     w.radius = sqrtf(daft_dot(half, half));
@@ -89,6 +89,7 @@ static void light_points(tile_job *j, daft_batch *points, bool seen)
     }
     if (j->frame->plan.occlusion && points->count) daft_tile_occlusion(j, points), first = NULL;
     const surroundings around = where(j, points);
+    daft_redraw_points(j, points, seen);
     for (uint32_t i = 0; i < snapshot->light_count; i++) {
         const daft_light_source *light = &snapshot->lights[i];
         if (!may_reach(light, &around)) continue;
@@ -174,6 +175,7 @@ static void follow(tile_job *j, uint32_t ray, uint32_t rays)
             shown = daft_mirrors_tile(j->frame, j->number, j->worker, &s->tile, sent);
         }
         if (gloss) gloss->asks = gloss->some && depth == 0;
+        daft_redraw_rays(j, sent, depth);
         daft_tile_trace(j, sent, sent == &s->rays ? DAFT_EFFECT_REFLECTION : DAFT_EFFECT_REFRACTION, shown, next);
         if (gloss) gloss->asks = false;
         if (sent != &s->rays) sent->count = 0;
@@ -220,9 +222,10 @@ void daft_render_tile(void *context, uint32_t index, uint32_t worker)
                   .r = frame->renderer,
                   .snapshot = frame->snapshot,
                   .s = &frame->renderer->scratch[worker],
-                  .number = frame->first_tile + index,
+                  .number = frame->tiles ? frame->tiles[index] : frame->first_tile + index,
                   .worker = worker,
                   .since = daft_clock_ticks()};
+    daft_redraw_tile(&j);
     if (frame->plan.denoise) daft_denoise_begin(&j);
     if (j.s->gloss) j.s->gloss->some = j.s->gloss->asks = false;
     daft_tile_see(&j);

@@ -65,6 +65,13 @@ static inline bool daft_gloss_is_rough(const daft_gloss *gloss, uint32_t pixel)
 {
     return gloss && gloss->some && gloss->rough[pixel / 32] >> (pixel % 32) & 1;
 }
+/* reach.c: what a tile tells of itself, so that the next picture knows what may change it: that it is drawn anew;
+ * where points are that are lit, which pixels see themselves or others do; the rays that points so many surfaces away
+ * send on.
+ */
+void daft_redraw_tile(const tile_job *j);
+void daft_redraw_points(const tile_job *j, const daft_batch *points, bool seen);
+void daft_redraw_rays(const tile_job *j, const daft_ray_batch *rays, int depth);
 /* The fraction of the light that arrives through what transmits, once for each instance in between, however thick.
  * NULL: nothing is in between. */
 const daft_lanes3 *daft_tile_tints(tile_job *j, const daft_batch *points, const daft_light_source *light);

@@ -107,6 +107,7 @@ static daft_bvh_def mesh_tree(const daft_scene *scene)
 /* Builds what a mesh needs beside its triangles. On failure the item is still to be freed. */
 static bool mesh_finish(daft_scene *scene, daft_mesh_item *item, daft_error *error)
 {
+    item->revision = ++scene->engine->revision;
     uint32_t slots = item->mesh.slot_count ? item->mesh.slot_count : 1;
     item->materials = daft_alloc_zero(scene->allocator, slots, sizeof *item->materials);
     if (!item->materials) return daft_fail_memory(error, "a mesh's materials");
@@ -381,6 +382,7 @@ static daft_texture texture_add(daft_scene *scene, const char *path, daft_textur
     daft_texture texture = {daft_asset_add(scene, &assets->texture_slots, assets->texture_states)};
     uint32_t index = daft_asset_index(texture.id);
     assets->textures[index] = *data;
+    scene->looks = ++scene->engine->revision;
     assets->texture_keys[index] = (daft_asset_key){copy, hash};
     daft_map_add(&assets->texture_map, hash, index);
     return texture;
@@ -397,6 +399,7 @@ bool daft_texture_drop(daft_scene *scene, uint32_t index)
     daft_texture_item *old = daft_alloc_zero(scene->allocator, 1, sizeof *old);
     if (!old) return false;
     old->data = scene->assets.textures[index];
+    scene->looks = ++scene->engine->revision;
     texture_forget(scene, index);
     daft_retire(scene, &old->retired, free_retired_texture);
     return true;
@@ -414,6 +417,7 @@ static daft_texture replace_texture(daft_scene *scene, uint32_t texture, daft_te
     daft_texture_data *place = &scene->assets.textures[daft_asset_index(texture)];
     old->data = *place;
     *place = *data;
+    scene->looks = ++scene->engine->revision;
     daft_scene_touch(scene);
     daft_retire(scene, &old->retired, free_retired_texture);
     return (daft_texture){texture};

@@ -159,20 +159,21 @@ static void tables_are_filled_from_json(void **unused)
     snprintf(page, sizeof page, "%s/page.md", folder);
     FILE *file = fopen(page, "w");
     assert_non_null(file);
-    fputs("before\n<!-- bench: cow memory; counters -->\nold\n<!-- /bench -->\nbetween\n<!-- bench: no such row "
-          "-->\nkept\n<!-- /bench -->\n",
-          file);
+    fputs(
+        "before\n<!-- bench: sphere 130k memory; counters -->\nold\n<!-- /bench -->\nbetween\n<!-- bench: no such row "
+        "-->\nkept\n<!-- /bench -->\n",
+        file);
     fclose(file);
-    snprintf(arguments, sizeof arguments, "--only 'cow memory' --json %s", temporary("json"));
+    snprintf(arguments, sizeof arguments, "--only 'sphere 130k memory' --json %s", temporary("json"));
     assert_ran("", arguments);
     snprintf(arguments, sizeof arguments, "--tables %s --from %s", folder, temporary("json"));
     assert_ran("", arguments);
     assert_says(output, "no rows for 'no such row'");
     unlink(temporary("json"));
     take_file(page);
-    assert_int_equal(strncmp(file_text, "before\n<!-- bench: cow memory; counters -->\n", 43), 0);
-    assert_says(file_text, "`daft bench --only 'cow memory'`");
-    assert_says(file_text, "| cow | memory | 1 | ");
+    assert_int_equal(strncmp(file_text, "before\n<!-- bench: sphere 130k memory; counters -->\n", 51), 0);
+    assert_says(file_text, "`daft bench --only 'sphere 130k memory'`");
+    assert_says(file_text, "| sphere 130k | memory | 1 | ");
     assert_says(file_text, "bytes a triangle |\n<!-- /bench -->\nbetween\n");
     assert_says(file_text, "-->\nkept\n<!-- /bench -->\n");
     assert_null(strstr(file_text, "old"));

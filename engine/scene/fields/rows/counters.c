@@ -19,6 +19,8 @@ static const daft_field ROWS[] = {
     ROW(triangles_tested, .doc = "Triangles whose bounds on the screen were tested, once for each tile"),
     ROW(triangles_binned, .doc = "Triangles that were set up in tiles"),
     ROW(spheres_binned, .doc = "Spheres put into lists of tiles"),
+    ROW(tiles_drawn,
+        .doc = "Tiles of 32 x 32 pixels that were drawn; the others have not changed since the picture before"),
     ROW(exact_edges, .doc = "Edge tests that floats could not decide"),
     ROW(exact_depths, .doc = "Comparisons of depth that floats could not decide"),
     ROW(shadow_points_kept, .doc = "Lit points under some occluder's bound: the only ones that cast a ray"),

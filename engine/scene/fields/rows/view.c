@@ -69,7 +69,9 @@ static const daft_field VIEW_ROWS[] = {
          .doc = "Rows of the band: a multiple of 32, or up to the last row; 0: all to the last"),
     VIEW(without, FROM(0, DAFT_WITHOUT_ALL), .doc = "Parts of the shading left out, bits DAFT_WITHOUT_…; 0: none"),
     DAFT_OTHER_ROW(daft_view, aov, .doc = "Arrays for what each pixel sees: depth, normal, entity and more"),
-    DAFT_OTHER_ROW(daft_view, history, .doc = "What remembers the picture before, for motion"),
+    DAFT_OTHER_ROW(daft_view, history,
+                   .doc = "What remembers the picture before: for motion, for denoising, and for what has not changed"),
+    VIEW(full, .doc = "Whether to draw what has not changed since the picture of history, too"),
     DAFT_OTHER_ROW(daft_view, progress, .doc = "Told how much is done, 0 to 1; returns false to stop"),
     DAFT_OTHER_ROW(daft_view, progress_user, .doc = "Handed to progress"),
 };
