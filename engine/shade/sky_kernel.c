@@ -61,24 +61,26 @@ DAFT_INLINE vf fetch(const daft_sky_image *image, const taps *t, int channel)
 }
 
 /* Directions side by side in the picture see texels side by side: NEAR of them in a row stand in one table, which is
- * looked up much faster than memory. False: these do not. */
+ * looked up much faster than memory. False: these do not, or the table would reach beyond the image. */
 enum { NEAR = 10, NEAR_FLOATS = 32 };
 _Static_assert(3 * NEAR <= NEAR_FLOATS, "a table holds the texels");
 
 DAFT_INLINE bool fetch_near(const daft_sky_image *image, vf x, vf y, vf3 *color)
 {
     const vf x0 = vf_floor(x), y0 = vf_floor(y), zero = vf_set(0);
-    const float first = vf_reduce_min(x0), last = vf_reduce_max(x0), lowest = vf_reduce_max(y0);
+    const float first = x0[0] < x0[DAFT_VL - 1] ? x0[0] : x0[DAFT_VL - 1]; /* the least, where they are in a row */
     const int width = image->width, bottom = image->height - 1, column = (int)first;
-    if (first < 0 || last >= (float)(width - 1) || last - first > NEAR - 2) return false;
-    const size_t end = (size_t)daft_min_i((int)lowest + 1, bottom) * (size_t)width + (size_t)column;
-    if (3 * end + NEAR_FLOATS > 3 * (size_t)width * (size_t)image->height) return false;
+    const size_t most = 3 * (size_t)width * (size_t)image->height;
+    if (first < 0 || column > width - NEAR) return false;
+    if (vbits_from_mask(vm_and(vf_le(vf_set(first), x0), vf_le(x0, vf_set(first + NEAR - 2)))) != DAFT_ALL_LANES)
+        return false;
     const vi left = vi_convert_to(x0 - vf_set(first)) * vi_set(3), right = left + vi_set(3);
     *color = (vf3){zero, zero, zero};
     for (vbits rest = DAFT_ALL_LANES; rest;) {
         const float row = y0[__builtin_ctz(rest)];
         const vbits here = rest & vbits_from_mask(vf_le(y0, vf_set(row))) & vbits_from_mask(vf_le(vf_set(row), y0));
         const int y1 = daft_max_i((int)row, 0), y2 = daft_min_i((int)row + 1, bottom);
+        if (3 * ((size_t)y2 * (size_t)width + (size_t)column) + NEAR_FLOATS > most) return false;
         const float *above = image->texels + 3 * ((size_t)y1 * (size_t)width + (size_t)column),
                     *below = image->texels + 3 * ((size_t)y2 * (size_t)width + (size_t)column);
         vf sum[3];
@@ -99,8 +101,9 @@ static void sky_image(const daft_sky_image *image, const daft_lanes3 *direction,
 {
     vf width = vf_set((float)image->width), height = vf_set((float)image->height), half = vf_set(0.5f);
     for (uint32_t i = 0; i < count; i += DAFT_VL) {
-        vf3 d = unit_lanes(lanes_load(direction, i));
-        vf u = half + vf_atan2(d.z, d.x) * vf_set(0.159154943f), v = half + vf_asin(d.y) * vf_set(0.318309886f);
+        vf3 d = lanes_load(direction, i);
+        vf level = vf_sqrt(d.x * d.x + d.z * d.z);
+        vf u = half + vf_atan2(d.z, d.x) * vf_set(0.159154943f), v = half + vf_atan2(d.y, level) * vf_set(0.318309886f);
         /* NaN directions sample a corner, lanes past the last what the first does. */
         vf x = vf_min(vf_max(u * width - half, -half), width - half);
         vf y = vf_min(vf_max((vf_set(1) - v) * height - half, -half), height - vf_set(1));

@@ -134,6 +134,117 @@ static void texture_sampling(void **unused)
     free(b);
 }
 
+/* ---- slow twins ---- */
+
+static double between(double a, double b, double t) { return a + (b - a) * t; }
+
+static double texel_at(const daft_texture_data *t, int level, int x, int y, int channel)
+{
+    const int w = t->width[level], h = t->height[level];
+    const size_t at = (size_t)((y + h) % h) * (size_t)w + (size_t)((x + w) % w);
+    return (double)daft_srgb_to_linear((float)t->texels[level][4 * at + (size_t)channel] / 255);
+}
+
+static double bilinear(const daft_texture_data *t, int level, double u, double v, int channel)
+{
+    const double x = u * t->width[level] - 0.5, y = (1 - v) * t->height[level] - 0.5;
+    const int x0 = (int)floor(x), y0 = (int)floor(y);
+    const double above = between(texel_at(t, level, x0, y0, channel), texel_at(t, level, x0 + 1, y0, channel), x - x0),
+                 below = between(texel_at(t, level, x0, y0 + 1, channel), texel_at(t, level, x0 + 1, y0 + 1, channel),
+                                 x - x0);
+    return between(above, below, y - y0);
+}
+
+/* Two levels blend in the middle half of the interval between them. */
+static double trilinear(const daft_texture_data *t, double u, double v, double footprint, int channel)
+{
+    const double side = footprint * sqrt((double)t->width[0] * t->height[0]);
+    const double level = fmin(fmax(log2(side), 0), t->levels - 1);
+    const int fine = (int)level, coarse = fine + 1 < t->levels ? fine + 1 : fine;
+    const double blend = fmin(fmax((level - fine) * 2 - 0.5, 0), 1);
+    return between(bilinear(t, fine, u, v, channel), bilinear(t, coarse, u, v, channel), blend);
+}
+
+/* Anywhere, across all seams, in all levels, neighbours in one row or far apart. */
+static void texture_twin(void **unused)
+{
+    (void)unused;
+    enum { W = 37, H = 20 };
+    const daft_allocator allocator = daft_malloc_allocator();
+    uint32_t state = 7;
+    uint8_t rgba[4 * W * H];
+    for (size_t i = 0; i < sizeof rgba; i++) rgba[i] = (uint8_t)((state = state * 1664525u + 1013904223u) >> 24);
+    daft_texture_data texture;
+    assert_true(daft_texture_build(&allocator, rgba, W, H, &texture, NULL));
+    const daft_surface material = {.texture = 0, .map_scale = {1, 1}};
+    daft_batch *b = calloc(1, sizeof *b);
+    b->count = DAFT_BATCH, b->one_material = true;
+    for (int i = 0; i < DAFT_BATCH; i++) {
+        const float far = (float)((state = state * 1664525u + 1013904223u) >> 8) * 0x1p-24f;
+        b->u[i] = i < 512 ? (float)(i % 32) / 31 * 0.999f : far;
+        b->v[i] = (float)i / DAFT_BATCH, b->footprint[i] = exp2f((float)(i % 100) / 12) / 40;
+    }
+    for (int isa = 0; isa <= daft_isa_best(); isa++) {
+        assert_true(daft_shade_kernels_for(isa)->albedo(b, &material, &texture));
+        const float *const got[3] = {b->albedo.x, b->albedo.y, b->albedo.z};
+        for (int i = 0; i < DAFT_BATCH; i++)
+            for (int k = 0; k < 3; k++) {
+                const double want = trilinear(&texture, (double)b->u[i], (double)b->v[i], (double)b->footprint[i], k);
+                assert_true(fabs((double)got[k][i] - want) < 2e-5);
+            }
+    }
+    free(b);
+    daft_texture_free(&allocator, &texture);
+}
+
+static double sky_texel(const daft_sky_image *s, int x, int y, int channel)
+{
+    const int row = y < 0 ? 0 : y >= s->height ? s->height - 1 : y, column = (x + s->width) % s->width;
+    return (double)s->texels[3 * (row * s->width + column) + channel];
+}
+
+static double sky_twin_at(const daft_sky_image *s, daft_vec3 d, int channel)
+{
+    const double x = (0.5 + atan2((double)d.z, (double)d.x) / (2 * DAFT_PI)) * s->width - 0.5,
+                 y = (0.5 - atan2((double)d.y, hypot((double)d.x, (double)d.z)) / DAFT_PI) * s->height - 0.5;
+    const int x0 = (int)floor(x), y0 = (int)floor(y);
+    return between(between(sky_texel(s, x0, y0, channel), sky_texel(s, x0 + 1, y0, channel), x - x0),
+                   between(sky_texel(s, x0, y0 + 1, channel), sky_texel(s, x0 + 1, y0 + 1, channel), x - x0), y - y0);
+}
+
+/* Rows of a picture in every direction, over the seam and both poles, close up (one table serves) and wide. The texels
+ * end where their memory does. */
+static void sky_twin(void **unused)
+{
+    (void)unused;
+    enum { W = 48, H = 24 };
+    float *texels = malloc(3 * W * H * sizeof *texels);
+    uint32_t state = 11;
+    for (int i = 0; i < 3 * W * H; i++) texels[i] = (float)((state = state * 1664525u + 1013904223u) >> 8) * 0x1p-24f;
+    const daft_sky_image image = {.width = W, .height = H, .texels = texels};
+    const daft_sky sky = {.kind = DAFT_SKY_IMAGE, .image = &image};
+    daft_lanes3 *d = calloc(1, sizeof *d), *color = calloc(1, sizeof *color);
+    const float *const got[3] = {color->x, color->y, color->z};
+    for (int view = 0; view < 60; view++) {
+        const float turn = (float)view * 0.21f, rise = (float)(view % 13 - 6) * 0.26f, step = view % 2 ? 0.01f : 0.2f;
+        for (int i = 0; i < DAFT_BATCH; i++) {
+            const float across = (float)(i % 32 - 16) * step, up = (float)(i / 32 - 16) * step,
+                        ahead = cosf(rise) - up * sinf(rise);
+            d->x[i] = ahead * cosf(turn) - across * sinf(turn), d->z[i] = ahead * sinf(turn) + across * cosf(turn);
+            d->y[i] = sinf(rise) + up * cosf(rise);
+        }
+        for (int isa = 0; isa <= daft_isa_best(); isa++) {
+            daft_shade_kernels_for(isa)->sky(&sky, d, DAFT_BATCH, color);
+            for (int i = 0; i < DAFT_BATCH; i++)
+                for (int k = 0; k < 3; k++) {
+                    const double want = sky_twin_at(&image, (daft_vec3){d->x[i], d->y[i], d->z[i]}, k);
+                    assert_true(fabs((double)got[k][i] - want) < 5e-5);
+                }
+        }
+    }
+    free(texels), free(d), free(color);
+}
+
 /* u = 0.5 + atan2(dz, dx)/2pi, v = 0.5 + asin(dy)/pi, top row first. */
 static void sky_image(void **unused)
 {
@@ -169,6 +280,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(lane_functions),    cmocka_unit_test(srgb_table),
                                        cmocka_unit_test(encode_round_trip), cmocka_unit_test(encode_near_thresholds),
-                                       cmocka_unit_test(texture_sampling),  cmocka_unit_test(sky_image)};
+                                       cmocka_unit_test(texture_sampling),  cmocka_unit_test(texture_twin),
+                                       cmocka_unit_test(sky_image),         cmocka_unit_test(sky_twin)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
