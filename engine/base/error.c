@@ -79,7 +79,10 @@ bool daft_fail_memory(daft_error *error, const char *what)
 
 void daft_error_clear(daft_error *error)
 {
-    if (error) memset(error, 0, sizeof *error);
+    if (!error) return;
+    error->code = DAFT_OK;
+    error->line = error->column = 0;
+    error->file[0] = error->message[0] = 0;
 }
 
 void daft_warn_at(const daft_log *log, daft_status code, const char *file, int line, int column, const char *format,

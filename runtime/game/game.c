@@ -201,7 +201,9 @@ static bool render(game_state *state, daft_image *picture, float alpha)
     daft_error error;
     watchdog_begin(state->scripts.dog, name, factor);
     atomic_store(&state->rendering, true);
+    host_show_particles(&state->scripts, &view.camera, ((double)alpha - 1) * state->scripts.scale / LOOP_RATE);
     bool good = daft_render(state->scene, &view, picture, &error);
+    host_hide_particles(&state->scripts);
     atomic_store(&state->alive_ns, clock_now_ns());
     atomic_store(&state->rendering, false);
     return in_time(state, name) && (good || stop_with(state, "drawing", &error));

@@ -12,11 +12,11 @@
 static const api_area *const AREAS[] = {&api_entity,    &api_hierarchy, &api_tags,     &api_body,  &api_joint,
                                         &api_character, &api_query,     &api_material, &api_light, &api_camera,
                                         &api_input,     &api_hud,       &api_draw,     &api_time,  &api_world,
-                                        &api_chance,    &api_picture,   &api_save,     &api_sound};
+                                        &api_chance,    &api_particles, &api_picture,  &api_save,  &api_sound};
 
 static const char *const CALLBACKS[] = {"load", "update", "draw", "keypressed", "keyreleased"};
-static const char *const TYPES[API_TYPES] = {"entity",  "light", "material", "mesh", "joint", "character",
-                                             "picture", "sound", "voice",    "font", "image", "stream"};
+static const char *const TYPES[API_TYPES] = {"entity", "light", "material", "mesh",  "joint",  "character", "picture",
+                                             "sound",  "voice", "font",     "image", "stream", "particles"};
 
 /* Registry keys: the addresses of these. */
 static const char DAFT_KEY, ENTITIES_KEY;
@@ -110,30 +110,32 @@ int api_engine_error(lua_State *L, host *h, const daft_error *error)
 
 /* ---- calls ---- */
 
-/* Every binding is called through this, with its table entry as the first upvalue. */
+static void check_method(lua_State *L, host *h, const api_function *function, api_type type)
+{
+    if (api_test_handle(L, 1, type)) return;
+    api_error(L, h, "%s expected before the colon, got %s: call it as x:%s(...)", TYPES[type],
+              lua_isnone(L, 1) ? "nothing" : api_type_name(L, 1), strchr(function->name, ':') + 1);
+}
+
+/* Every binding is called through this. Upvalues: its table entry, and the type that it is a method of, or -1. */
 static int dispatch(lua_State *L)
 {
     const api_function *function = lua_touserdata(L, lua_upvalueindex(1));
+    const lua_Integer type = lua_tointeger(L, lua_upvalueindex(2));
     host *h = api_host(L);
     h->calling = function;
     if (h->picture && (function->flags & API_CHANGES))
         api_error(L, h, "not within daft.draw: drawing must not change the game, so do this in daft.update");
     if (!h->picture && (function->flags & API_DRAWS)) api_error(L, h, "only within daft.draw");
-    const char *colon = strchr(function->name, ':');
-    for (int type = 0; colon && type < API_TYPES; type++) {
-        size_t length = (size_t)(colon - function->name);
-        if (strlen(TYPES[type]) != length || strncmp(TYPES[type], function->name, length) != 0) continue;
-        if (!api_test_handle(L, 1, (api_type)type))
-            api_error(L, h, "%s expected before the colon, got %s: call it as x:%s(...)", TYPES[type],
-                      lua_isnone(L, 1) ? "nothing" : api_type_name(L, 1), colon + 1);
-    }
+    if (type >= 0) check_method(L, h, function, (api_type)type);
     return function->call(L, h);
 }
 
-static void push_function(lua_State *L, const api_function *function)
+static void push_function(lua_State *L, const api_function *function, int type)
 {
     lua_pushlightuserdata(L, (void *)(uintptr_t)function);
-    lua_pushcclosure(L, dispatch, 1);
+    lua_pushinteger(L, type);
+    lua_pushcclosure(L, dispatch, 2);
 }
 
 /* daft.input.mouse is a table that can be called; the call must not see the table. */
@@ -195,7 +197,8 @@ static void guard(lua_State *L, const char *path, const api_function *call_as)
     lua_setfield(L, -2, "__metatable");
     if (call_as) {
         lua_pushlightuserdata(L, (void *)(uintptr_t)call_as);
-        lua_pushcclosure(L, call_table, 1);
+        lua_pushinteger(L, -1);
+        lua_pushcclosure(L, call_table, 2);
         lua_setfield(L, -2, "__call");
     }
     lua_setmetatable(L, -2);
@@ -231,7 +234,7 @@ static void put_function(lua_State *L, const api_function *function)
         guard(L, full, function);
     } else {
         lua_pop(L, 1);
-        push_function(L, function);
+        push_function(L, function, -1);
         lua_rawset(L, -3);
     }
     lua_settop(L, top);
@@ -260,9 +263,9 @@ static int handle_equal(lua_State *L)
 /* Fields of handles: methods, then e.name and e.data, which live in the user value. */
 static int handle_index(lua_State *L)
 {
-    const char *type = api_type_name(L, 1), *name = luaL_checkstring(L, 2);
     lua_pushvalue(L, 2);
     if (lua_rawget(L, lua_upvalueindex(1)) != LUA_TNIL) return 1;
+    const char *type = api_type_name(L, 1), *name = luaL_checkstring(L, 2);
     if (strcmp(type, "entity") == 0 && (strcmp(name, "name") == 0 || strcmp(name, "data") == 0)) {
         lua_getiuservalue(L, 1, 1);
         lua_getfield(L, -1, name);
@@ -310,6 +313,7 @@ static void register_type(lua_State *L, api_type type)
         lua_setfield(L, -2, "__gc");
     }
     static const lua_CFunction RELEASES[API_TYPES] = {[API_PICTURE] = api_release_picture,
+                                                      [API_PARTICLES] = api_release_particles,
                                                       [API_SOUND] = api_release_sound,
                                                       [API_FONT] = api_release_font,
                                                       [API_IMAGE] = api_release_image};
@@ -324,7 +328,7 @@ static void register_type(lua_State *L, api_type type)
             const char *colon = strchr(function->name, ':');
             size_t length = colon ? (size_t)(colon - function->name) : 0;
             if (!colon || strlen(TYPES[type]) != length || strncmp(function->name, TYPES[type], length) != 0) continue;
-            push_function(L, function);
+            push_function(L, function, (int)type);
             lua_setfield(L, -2, colon + 1);
         }
     }
@@ -366,6 +370,7 @@ api_handle *api_new_handle(lua_State *L, api_type type, uint32_t id)
 
 void api_set_type(lua_State *L, api_type type)
 {
+    ((api_handle *)lua_touserdata(L, -1))->type = (uint16_t)type;
     lua_rawgetp(L, LUA_REGISTRYINDEX, &TYPE_KEYS[type]);
     lua_setmetatable(L, -2);
 }
@@ -373,11 +378,7 @@ void api_set_type(lua_State *L, api_type type)
 api_handle *api_test_handle(lua_State *L, int index, api_type type)
 {
     api_handle *handle = lua_type(L, index) == LUA_TUSERDATA ? lua_touserdata(L, index) : NULL;
-    if (!handle || !lua_getmetatable(L, index)) return NULL;
-    lua_rawgetp(L, LUA_REGISTRYINDEX, &TYPE_KEYS[type]);
-    bool same = lua_rawequal(L, -1, -2);
-    lua_pop(L, 2);
-    return same ? handle : NULL;
+    return handle && handle->type == (uint16_t)type ? handle : NULL;
 }
 
 api_handle *api_check_handle(lua_State *L, host *h, int index, api_type type, const char *what)

@@ -34,8 +34,8 @@ typedef struct api_area {
 } api_area;
 
 extern const api_area api_entity, api_hierarchy, api_tags, api_body, api_joint, api_character, api_query, api_material,
-    api_light, api_camera, api_input, api_hud, api_draw, api_time, api_world, api_chance, api_picture, api_save,
-    api_sound;
+    api_light, api_camera, api_input, api_hud, api_draw, api_time, api_world, api_chance, api_particles, api_picture,
+    api_save, api_sound;
 /* All areas, for registration and for the reference. */
 const api_area *const *api_areas(size_t *count);
 
@@ -125,13 +125,15 @@ typedef enum api_type {
     API_FONT,
     API_IMAGE,
     API_STREAM,
+    API_PARTICLES,
     API_TYPES
 } api_type;
 
-/* What a userdata of any of these types holds. */
+/* What every userdata that a script can hold begins with. */
 typedef struct api_handle {
     uint32_t id;
-    bool visible; /* of an entity, as last set */
+    uint16_t type; /* an api_type: see api_set_type */
+    bool visible;  /* of an entity, as last set */
 } api_handle;
 
 /* Pushes a new userdata of the type. */
@@ -153,6 +155,8 @@ int api_collect(lua_State *L);
 int api_release_handle(lua_State *L);
 /* __gc of pictures. */
 int api_release_picture(lua_State *L);
+/* __gc of systems of particles. */
+int api_release_particles(lua_State *L);
 /* __gc of sounds. */
 int api_release_sound(lua_State *L);
 /* __gc of images. */

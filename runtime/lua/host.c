@@ -399,6 +399,7 @@ void host_begin_tick(host *state) { state->scale = state->next_scale; }
 void host_end_tick(host *state)
 {
     state->still = state->scale == 0;
+    host_step_particles(state, state->scale / 60);
     state->clock += state->scale;
     state->tick++;
 }

@@ -21,6 +21,7 @@
 
 typedef struct api_function api_function;
 typedef struct saves saves;
+typedef struct particle_system particle_system;
 
 /* xoshiro256**: Blackman & Vigna 2018. */
 typedef struct random_state {
@@ -75,6 +76,9 @@ typedef struct host {
     size_t memory, reserved;    /* bytes: Lua holds; are counted for it towards the engine's limit */
     uint32_t pictures;          /* made so far */
     uint32_t tasks;             /* that run or wait, at most */
+    particle_system *particles; /* all of them: tables/particles.c */
+    uint32_t particle_count;    /* there is room for, in all of them */
+    uint32_t systems;           /* of particles, made so far */
     uint32_t indexed;           /* ids in the indices of names and tags (tables/tags.c) */
     uint32_t indexed_kept;      /* the same after they were last swept */
     mixer mixer;                /* what sounds */
@@ -106,6 +110,12 @@ bool host_update(host *state, double dt);
 void host_end_tick(host *state);
 bool host_key(host *state, int key, bool down);
 bool host_draw(host *state, const canvas *picture);
+/* Around drawing the scene: what daft.particles made is seen from this camera, `ahead` seconds of the game after the
+ * last tick, and is not there for anybody else. */
+void host_show_particles(host *state, const daft_camera *camera, double ahead);
+void host_hide_particles(host *state);
+/* Moves them by so many seconds of the game: part of host_end_tick. */
+void host_step_particles(host *state, double dt);
 /* Of the picture in HUD units: within daft.draw of the one that is drawn, else as the input has it. */
 float host_width(const host *state);
 

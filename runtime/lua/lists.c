@@ -86,12 +86,10 @@ static key_entry *sort_keys(lua_State *L, key_entry *keys, key_entry *spare, lua
     return keys;
 }
 
-/* Leaves the sorted list of the keys of the table at 1 on the stack. */
-static void push_keys(lua_State *L)
+/* Leaves the sorted list of the keys of the table at 1, of which there are so many, on the stack. */
+static void push_sorted(lua_State *L, lua_Integer count)
 {
-    lua_Integer count = 0;
-    for (lua_pushnil(L); lua_next(L, 1); lua_pop(L, 1)) count++;
-    key_entry *entries = lua_newuserdatauv(L, (size_t)(2 * count + 1) * sizeof *entries, 0);
+    key_entry *entries = api_scratch(L, (size_t)(2 * count + 1) * sizeof *entries);
     lua_createtable(L, (int)count, 0);
     lua_Integer place = 0;
     for (lua_pushnil(L); lua_next(L, 1) && place < count;) {
@@ -108,6 +106,126 @@ static void push_keys(lua_State *L)
         lua_rawseti(L, -2, i + 1);
         api_poll(L, (uint64_t)i);
     }
+    lua_remove(L, -2);
+}
+
+/* What a walk over a table's keys, in the order of next(), says of them. */
+typedef struct key_set {
+    lua_Integer count;
+    uint64_t sum; /* of hashes: two sets of keys that are alive have the same as likely as 64 bits are by chance */
+    bool plain;   /* numbers, strings and booleans only */
+} key_set;
+
+static uint64_t hash_key(lua_State *L, int index, int type)
+{
+    uint64_t bits = (uint64_t)type;
+    double number = 0;
+    if (type == LUA_TSTRING)
+        bits += (uint64_t)(uintptr_t)lua_topointer(L, index);
+    else if (lua_isinteger(L, index))
+        bits += (uint64_t)lua_tointeger(L, index) << 8;
+    else if (type == LUA_TNUMBER)
+        number = lua_tonumber(L, index), memcpy(&bits, &number, sizeof bits);
+    else
+        bits += (uint64_t)lua_toboolean(L, index) << 4;
+    bits = (bits ^ bits >> 32) * 0x9E3779B97F4A7C15u; /* splitmix64's: Steele, Lea, Flood 2014 */
+    bits = (bits ^ bits >> 30) * 0xBF58476D1CE4E5B9u;
+    return bits ^ bits >> 27;
+}
+
+/* Whether the table at 1 is a list, also one with holes: has whole numbers only, which next() gives in their order. */
+static bool is_list(lua_State *L)
+{
+    lua_Integer last = LUA_MININTEGER;
+    uint64_t count = 0;
+    for (lua_pushnil(L); lua_next(L, 1); lua_pop(L, 1)) {
+        const lua_Integer key = lua_isinteger(L, -2) ? lua_tointeger(L, -2) : LUA_MININTEGER;
+        if (key <= last) {
+            lua_pop(L, 2);
+            return false;
+        }
+        last = key;
+        api_poll(L, count++);
+    }
+    return true;
+}
+
+static key_set look_at_keys(lua_State *L)
+{
+    key_set set = {.plain = true};
+    for (lua_pushnil(L); lua_next(L, 1); lua_pop(L, 1)) {
+        const int type = lua_type(L, -2);
+        set.plain = set.plain && (type == LUA_TSTRING || type == LUA_TNUMBER || type == LUA_TBOOLEAN);
+        set.sum += hash_key(L, -2, type);
+        api_poll(L, (uint64_t)++set.count);
+    }
+    return set;
+}
+
+/* Registry key of the lists of sorted keys by table, which does not keep the tables alive. A list has its set's sum at
+ * 0. Sorting is then done once for as long as a table has the same keys. */
+static const char SORTED_KEY;
+
+enum { WORTH_KEEPING = 8 }; /* keys */
+
+static void push_cache(lua_State *L)
+{
+    if (lua_rawgetp(L, LUA_REGISTRYINDEX, &SORTED_KEY) != LUA_TNIL) return;
+    lua_pop(L, 1);
+    lua_newtable(L);
+    lua_createtable(L, 0, 1);
+    lua_pushstring(L, "k");
+    lua_setfield(L, -2, "__mode");
+    lua_setmetatable(L, -2);
+    lua_pushvalue(L, -1);
+    lua_rawsetp(L, LUA_REGISTRYINDEX, &SORTED_KEY);
+}
+
+/* Pushes the list from the cache and is true, or pushes nothing. */
+static bool push_kept(lua_State *L, const key_set *set)
+{
+    push_cache(L);
+    lua_pushvalue(L, 1);
+    bool found = lua_rawget(L, -2) == LUA_TTABLE && (lua_Integer)lua_rawlen(L, -1) == set->count;
+    if (found) {
+        lua_rawgeti(L, -1, 0);
+        found = (uint64_t)lua_tointeger(L, -1) == set->sum;
+        lua_pop(L, 1);
+    }
+    if (found)
+        lua_remove(L, -2);
+    else
+        lua_pop(L, 2);
+    return found;
+}
+
+/* The list on top stays there. */
+static void keep(lua_State *L, const key_set *set)
+{
+    lua_pushinteger(L, (lua_Integer)set->sum);
+    lua_rawseti(L, -2, 0);
+    push_cache(L);
+    lua_pushvalue(L, 1);
+    lua_pushvalue(L, -3);
+    lua_rawset(L, -3);
+    lua_pop(L, 1);
+}
+
+/* Leaves the sorted list of the keys of the table at 1. */
+static void push_keys(lua_State *L, const key_set *set)
+{
+    const bool worth = set->plain && set->count >= WORTH_KEEPING;
+    if (worth && push_kept(L, set)) return;
+    push_sorted(L, set->count);
+    if (worth) keep(L, set);
+}
+
+static int next_in_table(lua_State *L)
+{
+    lua_settop(L, 2);
+    if (lua_next(L, 1)) return 2;
+    lua_pushnil(L);
+    return 1;
 }
 
 static int pairs(lua_State *L)
@@ -120,12 +238,16 @@ static int pairs(lua_State *L)
     }
     luaL_checktype(L, 1, LUA_TTABLE);
     lua_settop(L, 1);
-    lua_pushvalue(L, 1);
-    push_keys(L);
-    lua_replace(L, 3);
-    lua_settop(L, 3);
-    lua_pushinteger(L, 0);
-    lua_pushcclosure(L, next_pair, 3);
+    /* What a loop adds to a list comes at a place that does not depend on addresses, as it might with strings. */
+    if (is_list(L)) {
+        lua_pushcfunction(L, next_in_table);
+    } else {
+        const key_set set = look_at_keys(L);
+        lua_pushvalue(L, 1);
+        push_keys(L, &set);
+        lua_pushinteger(L, 0);
+        lua_pushcclosure(L, next_pair, 3);
+    }
     lua_pushvalue(L, 1);
     lua_pushnil(L);
     return 3;

@@ -3,6 +3,7 @@
 
 #include "common/util.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -292,27 +293,47 @@ daft_mesh api_mesh_at(lua_State *L, host *h, int index, const char *what)
 
 static const char *const MESH_FIELDS[] = {"positions", "normals", "uvs", "triangles"};
 
-/* A list of lists of `width` numbers as floats, in a userdata that stays on the stack. NULL where the field is nil. */
-static float *read_list(lua_State *L, host *h, const char *name, int width, size_t *count)
+/* {x, y, z} on top as floats. */
+static void read_tuple(lua_State *L, host *h, const char *what, int width, float *out)
 {
-    if (!api_field(L, 1, name)) {
+    if (lua_type(L, -1) != LUA_TTABLE || lua_rawlen(L, -1) != (size_t)width)
+        api_wrong(L, h, -1, what, width == 2 ? "{u, v}" : "{x, y, z}");
+    for (int k = 0; k < width; k++) {
+        lua_rawgeti(L, -1, k + 1);
+        out[k] = api_float(L, h, -1, what);
+        lua_pop(L, 1);
+    }
+}
+
+/* A list of lists of `width` numbers, or of the numbers one after another, as floats, in a userdata that stays on the
+ * stack. NULL where the field is nil. */
+static float *read_list(lua_State *L, host *h, int table, const char *name, int width, size_t *count)
+{
+    if (!api_field(L, table, name)) {
         lua_pushnil(L);
         return NULL;
     }
     if (lua_type(L, -1) != LUA_TTABLE) api_wrong(L, h, -1, name, "list");
-    *count = lua_rawlen(L, -1);
+    const size_t length = lua_rawlen(L, -1);
+    const bool flat = lua_rawgeti(L, -1, 1) == LUA_TNUMBER;
+    lua_pop(L, 1);
+    if (flat && length % (size_t)width != 0)
+        api_error(L, h, "%s: %zu numbers are not so many times %d", name, length, width);
+    *count = flat ? length / (size_t)width : length;
     float *out = lua_newuserdatauv(L, (*count + 1) * (size_t)width * sizeof *out, 0);
-    for (size_t i = 0; i < *count; i++) {
+    for (size_t i = 0; i < length; i++) {
         char what[48];
-        snprintf(what, sizeof what, "%s[%zu]", name, i + 1);
         api_poll(L, i);
         lua_rawgeti(L, -2, (lua_Integer)i + 1);
-        if (lua_type(L, -1) != LUA_TTABLE || lua_rawlen(L, -1) != (size_t)width)
-            api_wrong(L, h, -1, what, width == 2 ? "{u, v}" : "{x, y, z}");
-        for (int k = 0; k < width; k++) {
-            lua_rawgeti(L, -1, k + 1);
-            out[i * (size_t)width + (size_t)k] = api_float(L, h, -1, what);
-            lua_pop(L, 1);
+        const double number = flat && lua_type(L, -1) == LUA_TNUMBER ? lua_tonumber(L, -1) : HUGE_VAL;
+        if (fabs(number) < 1e30) { /* the usual case, before a name is made for messages */
+            out[i] = (float)number;
+        } else {
+            snprintf(what, sizeof what, "%s[%zu]", name, i + 1);
+            if (flat)
+                out[i] = api_float(L, h, -1, what);
+            else
+                read_tuple(L, h, what, width, out + i * (size_t)width);
         }
         lua_pop(L, 1);
     }
@@ -343,6 +364,24 @@ static uint32_t *read_triangles(lua_State *L, host *h, size_t vertices, size_t *
     return out;
 }
 
+/* The same triangles, their corners elsewhere. */
+static int set_mesh(lua_State *L, host *h)
+{
+    static const char *const FIELDS[] = {"positions", "normals"};
+    const daft_mesh mesh = {api_check_handle(L, h, 1, API_MESH, "mesh")->id};
+    size_t positions = 0, normals = 0;
+    lua_settop(L, 2);
+    api_fields(L, h, 2, "mesh", FIELDS, COUNT_OF(FIELDS));
+    const daft_vec3 *at = (daft_vec3 *)read_list(L, h, 2, "positions", 3, &positions);
+    const daft_vec3 *up = (daft_vec3 *)read_list(L, h, 2, "normals", 3, &normals);
+    if (!at) api_error(L, h, "positions: a list of {x, y, z} expected, got nil");
+    if (up && normals != positions) api_error(L, h, "as many normals as positions expected");
+    daft_error error;
+    if (!daft_mesh_set_positions(h->def.scene, mesh, at, up, (uint32_t)positions, &error))
+        api_engine_error(L, h, &error);
+    return 0;
+}
+
 static int new_mesh(lua_State *L, host *h)
 {
     api_handle *handle = api_new_handle(L, API_MESH, 0);
@@ -351,9 +390,9 @@ static int new_mesh(lua_State *L, host *h)
         api_fields(L, h, 1, "mesh", MESH_FIELDS, COUNT_OF(MESH_FIELDS));
         size_t positions = 0, normals = 0, uvs = 0, triangles = 0;
         daft_mesh_def def = daft_default_mesh_def();
-        def.positions = (daft_vec3 *)read_list(L, h, "positions", 3, &positions);
-        def.normals = (daft_vec3 *)read_list(L, h, "normals", 3, &normals);
-        def.uvs = (daft_vec2 *)read_list(L, h, "uvs", 2, &uvs);
+        def.positions = (daft_vec3 *)read_list(L, h, 1, "positions", 3, &positions);
+        def.normals = (daft_vec3 *)read_list(L, h, 1, "normals", 3, &normals);
+        def.uvs = (daft_vec2 *)read_list(L, h, 1, "uvs", 2, &uvs);
         if (!def.positions) api_error(L, h, "positions: a list of {x, y, z} expected, got nil");
         if ((def.normals && normals != positions) || (def.uvs && uvs != positions))
             api_error(L, h, "as many normals and uvs as positions expected");
@@ -395,6 +434,9 @@ static const api_function FUNCTIONS[] = {
      "Loads a mesh, or makes one: positions is a list of {x, y, z}, triangles of {a, b, c} counted from 1,\n"
      "counter-clockwise seen from the front; normals and uvs are optional, one a position.",
      new_mesh, API_CHANGES},
+    {"mesh:set", "{positions =, normals =}",
+     "Moves the corners: as many positions as it was made with. The normals are computed again unless given.", set_mesh,
+     API_CHANGES},
     {"mesh:bounds", "() -> {x, y, z}, {x, y, z}", "The lowest and highest coordinates.", mesh_bounds, 0},
 };
 

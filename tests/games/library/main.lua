@@ -121,6 +121,34 @@ local function tweens()
     refused("a function of the values", tween.start, 1, { x = 0 }, { x = 1 }, "out")
 end
 
+local decals, trail = require "decals", require "trail"
+local wake, runner
+local function marks()
+    local post = daft.entity { box = { 1, 4, 1 }, position = { 200, 0, 0 } }
+    local set = decals.new { most = 2, size = 0.5, lift = 0.01 }
+    local first = set:place(daft.raycast({ 205, 1, 0 }, { -1, 0, 0 }))
+    local x, y, z = first:world_position()
+    assert(near(x, 200.51, 1e-4) and near(y, 1) and near(z, 0) and first:parent() == post)
+    local ux, uy = first:up()
+    assert(near(ux, 1, 1e-5) and near(uy, 0, 1e-5), "it lies on the surface")
+    post:position(210, 0, 0)
+    assert(near(first:world_position(), 210.51, 1e-4), "and goes with it")
+    local below = set:place(daft.raycast({ 210, -9, 0 }, { 0, 1, 0 }), { turn = 1, size = 2 })
+    assert(near(select(2, below:up()), -1, 1e-5) and near(below:scale(), 2, 1e-5))
+    assert(daft.raycast({ 210, -9, 0 }, { 0, 1, 0 }).entity == below, "it is seen from below")
+    set:place { point = { 0, 90, 0 }, normal = { 0, 1, 0 } }
+    assert(not first:valid() and below:valid(), "the oldest makes room")
+    set:clear()
+    assert(not below:valid())
+    post:destroy()
+    refused("there is no option 'siz'", decals.new, { siz = 1 })
+    refused("a hit with position and normal", function() set:place {} end)
+    runner = daft.entity { position = { 0, 50, 0 } }
+    wake = trail.new { target = runner, width = 1, seconds = 0.5, pieces = 10 }
+    refused("there is no option 'widht'", trail.new, { target = runner, widht = 1 })
+    refused("target = an entity", trail.new, {})
+end
+
 local slide, seen = nil, 0
 local function begin_slide()
     slide = tween.start(0.5, { x = 0 }, { x = 1 }, "linear", function(value) seen = value.x end)
@@ -130,7 +158,7 @@ end
 
 local ball, follow, orbit
 function daft.load()
-    rides() tweens() begin_slide()
+    rides() tweens() begin_slide() marks()
     shapes_are_what_they_say()
     ball = daft.entity { sphere = 0.5, position = { 5, 1, 0 } }
     follow = camera.follow { target = ball, distance = 8, height = 4 }
@@ -140,6 +168,17 @@ end
 
 function daft.update(dt)
     local tick = daft.tick()
+    if tick <= 60 then
+        runner:position(tick / 10, 50, 0)
+        wake:update(dt)
+    end
+    if tick == 60 then
+        local hit = daft.raycast({ 5, 60, 0 }, { 0, -1, 0 }, 20)
+        assert(hit and near(hit.distance, 10, 1e-4), "the ribbon lies behind the runner")
+        assert(daft.raycast({ 5.5, 60, 0.35 }, { 0, -1, 0 }, 20) and not daft.raycast({ 3.5, 60, 0.35 }, { 0, -1, 0 }, 20), "and narrows")
+        assert(not daft.raycast({ 2, 60, 0 }, { 0, -1, 0 }, 20), "it is half a second long")
+        wake:destroy()
+    end
     if tick == 16 then assert(near(seen, 0.5, 1e-9), seen) end
     if tick == 40 then assert(seen == 1 and slide:done()) end
     if tick < 100 then

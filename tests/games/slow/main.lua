@@ -39,8 +39,55 @@ local function chance()
     expect_error("number within 1e12", daft.noise, 1e13)
 end
 
+-- pairs goes through numbers upwards, then strings by their bytes, whatever was done to the table before.
+local function order_of_pairs()
+    local t = {}
+    for i = 50, 1, -1 do t[i] = i end
+    for i = 1, 40 do t["k" .. (i * 7) % 41] = i end
+    t[true], t[1.5] = 1, 2
+    local function keys()
+        local out = {}
+        for k, v in pairs(t) do
+            assert(t[k] == v)
+            out[#out + 1] = tostring(k)
+        end
+        return table.concat(out, " ")
+    end
+    local function expected()
+        local numbers, strings = {}, {}
+        for k in next, t do
+            if type(k) == "number" then numbers[#numbers + 1] = k elseif type(k) == "string" then strings[#strings + 1] = k end
+        end
+        table.sort(numbers) table.sort(strings)
+        local out = {}
+        for _, k in ipairs(numbers) do out[#out + 1] = tostring(k) end
+        for _, k in ipairs(strings) do out[#out + 1] = k end
+        if t[true] then out[#out + 1] = "true" end
+        return table.concat(out, " ")
+    end
+    for round = 1, 30 do
+        assert(keys() == expected() and keys() == expected(), round)
+        t["k" .. round], t["n" .. round], t[round], t[100 + round] = nil, round, round % 2 == 0 and 1 or nil, round
+        if round == 20 then for i = 1, 50 do t[i] = i end end
+    end
+    -- What is there may be changed and taken away while it goes on.
+    local seen = 0
+    for k in pairs(t) do
+        t[k] = nil
+        seen = seen + 1
+    end
+    assert(seen > 50 and next(t) == nil)
+    local list, sum = { 1, 2, 3, 4 }, 0
+    for i in pairs(list) do
+        list[i] = nil
+        if i == 2 then list[3] = nil end
+        sum = sum + i
+    end
+    assert(sum == 7)
+end
+
 function daft.load()
-    chance()
+    chance() order_of_pairs()
     floor = daft.entity { box = { 20, 1, 20 }, position = { 0, -0.5, 0 }, body = "static", name = "floor" }
     stone = daft.entity { sphere = 0.5, position = { 0, 100, 0 }, body = "dynamic", mass = 1 }
     assert(daft.time_scale() == 1)

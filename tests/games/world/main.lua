@@ -148,4 +148,66 @@ local function scenes()
     assert(daft.scene("named.scene").ball ~= found.ball, "each time others")
 end
 
-function daft.load() axes() families() tags() screen() scenes() end
+local function meshes()
+    local corners = { { -1, 0, 1 }, { 1, 0, 1 }, { 1, 0, -1 }, { -1, 0, -1 } }
+    local mesh = daft.mesh { positions = corners, triangles = { { 1, 2, 3 }, { 1, 3, 4 } } }
+    local e = daft.entity { mesh = mesh, position = { 40, 0, 0 } }
+    assert(near(daft.raycast({ 40, 5, 0 }, { 0, -1, 0 }).distance, 5))
+    for _, corner in ipairs(corners) do corner[2] = 2 end
+    mesh:set { positions = corners }
+    local hit = daft.raycast({ 40, 5, 0 }, { 0, -1, 0 })
+    assert(near(hit.distance, 3) and near(hit.normal[2], 1))
+    mesh:set { positions = { -1, 1, 1, 1, 1, 1, 1, 1, -1, -1, 1, -1 }, normals = { 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0 } }
+    assert(near(daft.raycast({ 40, 5, 0 }, { 0, -1, 0 }).distance, 4))
+    expect_error("3 positions for a mesh of 4 vertices", mesh.set, mesh, { positions = { 1, 2, 3, 4, 5, 6, 7, 8, 9 } })
+    expect_error("10 numbers are not so many times 3", mesh.set, mesh, { positions = { 1, 2, 3, 4, 5, 6, 7, 8, 9, 10 } })
+    expect_error("positions[2]: number expected", mesh.set, mesh, { positions = { 1, "2", 3, 4, 5, 6, 7, 8, 9, 1, 2, 3 } })
+    expect_error("positions[5]: finite number expected", mesh.set, mesh, { positions = { 1, 2, 3, 4, 0 / 0, 6, 7, 8, 9, 1, 2, 3 } })
+    expect_error("did you mean 'positions'", mesh.set, mesh, { position = corners })
+    expect_error("positions: a list", mesh.set, mesh, {})
+    expect_error("as many normals", mesh.set, mesh, { positions = corners, normals = { 0, 1, 0 } })
+    local floor = daft.entity { mesh = mesh, body = "static", position = { 60, 0, 0 } }
+    expect_error("what a body is made of", mesh.set, mesh, { positions = corners })
+    floor:destroy() e:destroy()
+end
+
+local sparks, smoke, carrier
+local function particles()
+    carrier = daft.entity { position = { 0, 0, 80 } }
+    sparks = daft.particles { count = 500, life = { 0.05, 0.1 }, speed = { 1, 2 }, spread = math.pi, area = 0.5, drag = 1,
+        gravity = { 0, -9.81, 0 }, size = { 0.1, 0 }, shape = "quad", position = { 0, 0, 70 }, seed = 3 }
+    smoke = daft.particles { count = 100, rate = 120, life = 0.5, position = carrier, material = "checker" }
+    assert(sparks:count() == 0 and sparks:valid() and tostring(sparks):find("particles") and smoke:rate() == 120)
+    sparks:burst(200)
+    sparks:burst(400, { 1, 2, 70 })
+    assert(sparks:count() == 500, "as far as there is room")
+    sparks:clear()
+    sparks:burst(7, carrier)
+    assert(sparks:count() == 7)
+    sparks:direction(0, 0, 2)
+    expect_error("direction: it has no length", sparks.direction, sparks, 0, 0, 0)
+    expect_error("count: 1 to 50000 expected, got 0", daft.particles, { count = 0 })
+    expect_error("did you mean 'speed'", daft.particles, { sped = 1 })
+    expect_error("life: number or {from, to} expected", daft.particles, { life = "long" })
+    expect_error("life: 0.001 to 10000 expected, got 0", daft.particles, { life = 0 })
+    expect_error("shape: \"round\" or \"quad\" expected", daft.particles, { shape = "star" })
+    expect_error("count: 0 or more", sparks.burst, sparks, -1)
+    expect_error("there is no texture", daft.particles, { material = "nothing" })
+    assert(daft.raycast({ 0, 0, 60 }, { 0, 0, 1 }, 100) == nil, "rays pass through particles")
+end
+
+function daft.update()
+    local tick = daft.tick()
+    if tick == 3 then assert(smoke:count() == 6 and sparks:count() == 7, smoke:count()) end
+    if tick == 9 then
+        assert(sparks:count() == 0, "their life is over")
+        assert(smoke:count() == 18)
+        carrier:destroy()
+        sparks:destroy()
+        assert(not sparks:valid())
+        expect_error("have been destroyed", sparks.burst, sparks, 1)
+    end
+    if tick == 11 then assert(smoke:count() == 18 and smoke:rate() == 0, "what carried them is gone") end
+end
+
+function daft.load() axes() families() tags() screen() scenes() meshes() particles() end

@@ -39,7 +39,7 @@ static void tasks_wait_for_their_ticks(void **unused)
     play_through("tasks", 100);
     assert_says(output, "tick 31 "); /* daft.quit ended it there */
 }
-static void the_world_does_what_it_says(void **unused) { (void)unused, play_through("world", 10); }
+static void the_world_does_what_it_says(void **unused) { (void)unused, play_through("world", 13); }
 static void time_goes_slowly_and_stands_still(void **unused) { (void)unused, play_through("slow", 150); }
 static void the_library_works(void **unused) { (void)unused, play_through("library", 210); }
 static void nonsense_never_crashes(void **unused) { (void)unused, play_through("nonsense", 10); }
