@@ -1,7 +1,8 @@
 #!/bin/sh
 # usage: docs/tables.sh PROGRAM [--check]
 # The manual's tables of fields come from the engine: what stands between "<!-- fields NAME -->" and "<!-- end of fields -->" in a
-# page is what `PROGRAM help fields NAME` prints. Writes them anew, or with --check fails where one differs.
+# page is what `PROGRAM help fields NAME` prints. And scripts/daft.d.lua, for editors, is what `PROGRAM help annotations` prints.
+# Writes them anew, or with --check fails where one differs.
 set -eu
 
 program=$1
@@ -36,6 +37,19 @@ for page in $(grep -rl '^<!-- fields ' "$root" --include='*.md' | LC_ALL=C sort)
         echo "$page written"
     fi
 done
+
+annotations=$root/../scripts/daft.d.lua
+"$program" help annotations >"$out/annotations"
+if ! cmp -s "$annotations" "$out/annotations"; then
+    if [ "$check" = --check ]; then
+        diff "$annotations" "$out/annotations" | head -n 6
+        echo "$annotations is not what the tables of functions say: run docs/tables.sh $program"
+        stale=1
+    else
+        cp "$out/annotations" "$annotations"
+        echo "$annotations written"
+    fi
+fi
 [ "$stale" = 0 ] || exit 1
 [ "$tables" -gt 20 ] || { echo "only $tables tables found" && exit 1; }
 echo "[  PASSED  ] $tables test(s)"

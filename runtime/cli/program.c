@@ -25,7 +25,7 @@ static const struct {
     {"check", "check scenes, meshes, pictures and games for errors", command_check},
     {"pack", "pack a game into one file", command_pack},
     {"bench", "run the benchmarks", command_bench},
-    {"help", "print this text; 'help COMMAND': its options; 'help lua', 'help fields': the API", command_help},
+    {"help", "print this text; 'help COMMAND': its options; 'help lua [NAME]', 'help fields': the API", command_help},
     {"version", "print the version", command_version}};
 
 static void print_usage(FILE *out)
@@ -59,10 +59,20 @@ static int run_command(const char *name, int argc, char **argv)
     return unknown_command(name);
 }
 
+static int help_lua(const char *name)
+{
+    const char *near;
+    if (api_print_reference(name, &near)) return STATUS_DONE;
+    fprintf(stderr, "daft help lua: there is no '%s'", name);
+    fprintf(stderr, near ? ": did you mean '%s'?\n" : "\nTry 'daft help lua'.\n", near);
+    return STATUS_BAD_USAGE;
+}
+
 static int command_help(int argc, char **argv)
 {
-    if (argc > 1 && strcmp(argv[1], "lua") == 0) {
-        api_print_reference();
+    if (argc > 1 && strcmp(argv[1], "lua") == 0) return help_lua(argc > 2 ? argv[2] : NULL);
+    if (argc > 1 && strcmp(argv[1], "annotations") == 0) {
+        api_print_annotations();
         return STATUS_DONE;
     }
     if (argc > 1 && strcmp(argv[1], "fields") == 0) return command_fields(argc - 1, argv + 1);

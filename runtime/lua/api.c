@@ -1,5 +1,5 @@
 /* From the tables of functions to the table `daft`: registration, the one function that every binding is called
- * through, the types of handles, and the printed reference. */
+ * through, and the types of handles. */
 #include "lua/fields.h"
 
 #include "common/util.h"
@@ -26,6 +26,12 @@ const api_area *const *api_areas(size_t *count)
 {
     *count = COUNT_OF(AREAS);
     return AREAS;
+}
+
+const char *const *api_callbacks(size_t *count)
+{
+    *count = COUNT_OF(CALLBACKS);
+    return CALLBACKS;
 }
 
 host *api_host(lua_State *L) { return *(host **)lua_getextraspace(L); }
@@ -429,49 +435,4 @@ void api_push_entity(lua_State *L, uint32_t id)
         lua_rawseti(L, -3, (lua_Integer)id);
     }
     lua_remove(L, -2);
-}
-
-/* ---- the reference ---- */
-
-enum { NAME_WIDTH = 20, VALUE_WIDTH = 36 };
-
-static void print_field(void *unused, const char *name, const char *value, const char *initial, const char *doc)
-{
-    (void)unused;
-    printf("        %-*s %-*s %s", NAME_WIDTH, name, VALUE_WIDTH, value, doc);
-    printf(*initial ? " (%s)\n" : "\n", initial);
-}
-
-/* The fields of the tables that the function takes. */
-static void print_forms(const char *function)
-{
-    size_t count;
-    const api_form *const *forms = api_forms(&count);
-    for (size_t i = 0; i < count; i++) {
-        if (strcmp(forms[i]->function, function) != 0) continue;
-        if (strstr(forms[i]->title, function) == NULL || strstr(forms[i]->title, "options"))
-            printf("      %s:\n", forms[i]->title);
-        api_describe_form(forms[i], print_field, NULL);
-    }
-}
-
-void api_print_reference(void)
-{
-    printf(
-        "The functions of a DAFT game. It may define daft.load(), daft.update(dt), daft.draw(),\n"
-        "daft.keypressed(key) and daft.keyreleased(key); dt is always 1/60 s.\n"
-        "Metres, seconds, kilograms, radians; Y is up. Colours: \"#rgb\" or \"#rrggbb\" (sRGB), {r, g, b} (linear).\n");
-    for (size_t area = 0; area < COUNT_OF(AREAS); area++) {
-        printf("\n%s\n", AREAS[area]->title);
-        for (size_t i = 0; i < AREAS[area]->count; i++) {
-            const api_function *function = &AREAS[area]->functions[i];
-            printf("  %s%s%s\n", strchr(function->name, ':') ? "" : "daft.", function->name, function->form);
-            for (const char *line = function->doc; line;) {
-                const char *end = strchr(line, '\n');
-                printf("      %.*s\n", (int)(end ? end - line : (long)strlen(line)), line);
-                line = end ? end + 1 : NULL;
-            }
-            print_forms(function->name);
-        }
-    }
 }

@@ -38,6 +38,8 @@ extern const api_area api_entity, api_hierarchy, api_tags, api_body, api_joint, 
     api_save, api_sound;
 /* All areas, for registration and for the reference. */
 const api_area *const *api_areas(size_t *count);
+/* The functions that a game may define in `daft`. */
+const char *const *api_callbacks(size_t *count);
 
 /* Builds the table `daft` and leaves it as a global and in the registry. */
 void api_register(lua_State *L, host *h);
@@ -47,7 +49,14 @@ void api_push(lua_State *L);
 host *api_host(lua_State *L);
 /* In loops as long as a table or a string: stops now and then to ask whether the script is to end (host_poll). */
 void api_poll(lua_State *L, uint64_t step);
-void api_print_reference(void);
+/* ---- reference.c, annotate.c: the same tables as text ---- */
+
+/* Everything, or with a name (a function, also without "daft.", a type's method, a type, a table such as "input") what
+ * has it. False: nothing has it; *near is then a name like it, or NULL. */
+bool api_print_reference(const char *name, const char **near);
+/* Annotations for editors: the functions and their types in the form of the Lua language server (scripts/daft.d.lua).
+ */
+void api_print_annotations(void);
 
 /* The library tables a script gets, with what would break determinism taken out or replaced (sandbox.c). */
 void sandbox_open(lua_State *L);

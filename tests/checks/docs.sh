@@ -60,6 +60,16 @@ while read -r name; do
     passed=$((passed + 1))
 done <"$out/names"
 [ "$(wc -l <"$out/names")" -gt 50 ] || fail "the program names too few functions"
+# And the page's tables name no other: `daft.NAME(` and `e:NAME(` in the first column, whatever the variable is called.
+# The callbacks and `daft.NAME {` stand in the text.
+awk -F'|' '/^\| *`/ { print $2 } /^### daft/ { print $0 "(" }' "$root/docs/reference/lua-api.md" |
+    grep -o '\(daft\.[a-z_.]*\|[a-z]*:[a-z_]*\) *[({]' | sed 's/ *[({]$//' | sort -u >"$out/written"
+while read -r name; do
+    case $name in *:*) name=".*:${name#*:}" ;; *) name=$(echo "$name" | sed 's/\./\\./g') ;; esac
+    grep -qx -- "$name" "$out/names" || fail "docs/reference/lua-api.md has $name, which the program does not"
+    passed=$((passed + 1))
+done <"$out/written"
+[ "$(wc -l <"$out/written")" -gt 50 ] || fail "docs/reference/lua-api.md has too few functions in its tables"
 # docs/reference/command-line.md names the options that `--help` prints, no more and no fewer.
 page=$root/docs/reference/command-line.md
 for command in play render check bench test; do

@@ -154,6 +154,36 @@ static void help_is_status_0(void **unused)
     assert_says(output, "entity:push(x, y, z)");
 }
 
+static void help_lua_prints_one_function_or_all_of_a_type(void **unused)
+{
+    (void)unused;
+    assert_status(run_daft(output, "help lua daft.raycast"), 0, output);
+    assert_says(output, "daft.raycast(from, direction");
+    assert_null(strstr(output, "daft.gravity"));
+    assert_status(run_daft(output, "help lua push"), 0, output);
+    assert_says(output, "entity:push(x, y, z)");
+    assert_status(run_daft(output, "help lua joint"), 0, output);
+    assert_says(output, "joint:force()");
+    assert_says(output, "daft.joint{...}");
+    assert_status(run_daft(output, "help lua racast"), 2, output);
+    assert_says(output, "did you mean 'raycast'?");
+}
+
+static void annotations_have_the_types_of_arguments_and_results(void **unused)
+{
+    (void)unused;
+    assert_status(run_daft(output, "help annotations"), 0, output);
+    static const char *const lines[] = {
+        "---@param from daft.place\n---@param direction daft.vector\n---@param max_distance? number\n"
+        "---@param ignore? daft.entity\n---@return daft.hit|nil\n"
+        "function daft.raycast(from, direction, max_distance, ignore) end",
+        "---@param options daft.entity.options\n---@return daft.entity\nfunction daft.entity(options) end",
+        "---@field body? \"none\"|\"static\"|\"kinematic\"|\"dynamic\"",
+        "---@return daft.entity|nil\n---@return \"ground\"|\"slope\"|\"air\"|\"crushed\"\n",
+        "---@overload fun(): number, number\ndaft.input.mouse = {}"};
+    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++) assert_says(output, lines[i]);
+}
+
 static void stats_are_json_with_the_promised_names(void **unused)
 {
     (void)unused;
@@ -486,6 +516,8 @@ int main(void)
         cmocka_unit_test(bad_input_is_status_1_with_a_message),
         cmocka_unit_test(a_mesh_without_faces_is_refused),
         cmocka_unit_test(help_is_status_0),
+        cmocka_unit_test(help_lua_prints_one_function_or_all_of_a_type),
+        cmocka_unit_test(annotations_have_the_types_of_arguments_and_results),
         cmocka_unit_test(stats_are_json_with_the_promised_names),
         cmocka_unit_test(explain_prints_the_plan_and_nothing_draws_a_bar_in_a_pipe),
         cmocka_unit_test(pictures_do_not_depend_on_threads),

@@ -1,0 +1,892 @@
+---@meta
+-- What games see as `daft`, for the Lua language server. `daft help annotations` prints this file: docs/tables.sh.
+
+---@alias daft.vector number[]|{x: number, y: number, z: number}
+---@alias daft.place daft.vector|daft.entity
+---@alias daft.color string|number[]
+---@alias daft.anymaterial string|daft.material|daft.material.options
+---@class daft.hit
+---@field entity daft.entity
+---@field distance number
+---@field position number[]
+---@field normal number[]
+
+---@class daft
+---@field load? fun()
+---@field update? fun(dt: number)
+---@field draw? fun()
+---@field keypressed? fun(key: string)
+---@field keyreleased? fun(key: string)
+daft = {}
+
+daft.query = {}
+
+daft.light = {}
+
+daft.sky = {}
+
+daft.camera = {}
+
+daft.input = {}
+
+---In HUD units from the top left: 0, 0 to daft.width(), daft.height().
+---@class daft.input.mouse
+---@overload fun(): number, number
+daft.input.mouse = {}
+
+---@class daft.entity
+---@field name string?
+---@field data any
+local entity = {}
+
+---@class daft.joint
+local joint = {}
+
+---@class daft.character
+local character = {}
+
+---@class daft.material
+local material = {}
+
+---@class daft.mesh
+local mesh = {}
+
+---@class daft.light
+local light = {}
+
+---@class daft.picture
+local picture = {}
+
+---@class daft.sound
+local sound = {}
+
+---@class daft.voice
+local voice = {}
+
+---@class daft.entity.options
+---@field mesh? daft.mesh|string The mesh that is drawn; an entity without mesh, sphere and box is a group
+---@field sphere? number The sphere's radius (number, m, above 0); 0.5 unless given
+---@field box? daft.vector The box's edge lengths; {1, 1, 1} unless given
+---@field material? daft.anymaterial What it is made of; none: the mesh's own, or a light grey
+---@field parent? daft.entity The entity within which position, rotation and scale are; none: the world
+---@field position? daft.vector|daft.entity Where it is; {0, 0, 0} unless given
+---@field rotation? table|daft.vector How it is turned
+---@field scale? number|daft.vector How many times as large it is along its own axes; a sphere's is equal in all; 1 unless given
+---@field visible? boolean Whether it is drawn and hit by rays; true unless given
+---@field casts_shadow? boolean Whether it casts shadows; light comes through materials that transmit; true unless given
+---@field body? "none"|"static"|"kinematic"|"dynamic" How the simulation moves it: not at all, as the game says, or by forces and contacts; "none" unless given
+---@field collider? "hull"|"mesh"|table What the body is made of; none: what is drawn, of a mesh the hull where it is dynamic, else the triangles
+---@field density? number The mass of a cubic metre of it (number, kg/m³, above 0); 1000 unless given
+---@field mass? number Its mass; from the density unless given (number, kg, above 0)
+---@field friction? number Coulomb's coefficient; between two bodies the geometric mean holds (number, 0 or more); 0.5 unless given
+---@field static_friction? number The same for what does not slide yet; less than friction: the same as friction (number, 0 or more); 0 unless given
+---@field restitution? number How much of a bounce comes back; between two bodies the larger holds (number, 0 to 1); 0 unless given
+---@field rolling_resistance? number What brakes rolling, as a fraction of load times radius; the larger of two bodies' holds (number, 0 or more); 0 unless given
+---@field surface? string The kind of its surface, for daft.surfaces
+---@field surface_velocity? daft.vector The velocity of its surface in its own axes, as a conveyor's; {0, 0, 0} unless given
+---@field gravity_scale? number The fraction of gravity that acts on it; 1 unless given
+---@field damping? number The fraction of its velocity that it loses in a second, for small ones (number, 1/s, 0 or more); 0 unless given
+---@field angular_damping? number The same of its angular velocity (number, 1/s, 0 or more); 0 unless given
+---@field lock? string|table "rotation", "x", "y", "z": axes of the world about which it does not turn; "position", "position x", "position y", "position z": along which its centre of mass does not move
+---@field layer? string|table The layers that it is in
+---@field hits? string|table The layers that it meets; two bodies meet where each meets a layer of the other
+---@field sensor? boolean Meets nothing; what enters and leaves it makes events; false unless given
+---@field bullet? boolean Does not pass through fast dynamic bodies either; false unless given
+---@field sleeps? boolean Whether it may fall asleep at rest; true unless given
+---@field velocity? daft.vector Of a body that moves
+---@field angular_velocity? daft.vector Of a body that moves
+---@field name? string e.name can be read and set
+---@field data? any e.data can be read and set
+
+---@class daft.joint.options
+---@field kind? "ball"|"hinge"|"slider"|"distance"|"fixed"|"drag" ball: two points stay together; hinge: and so do two axes; slider: moves along an axis and does not turn; distance: a rod, rope or spring; fixed: does not move; drag: draws a point to a target; "ball" unless given
+---@field a? daft.entity The first body; none: the world itself
+---@field b? daft.entity The second body
+---@field at? daft.vector|daft.entity Where, in the world; distance: the point on a; where b is unless given
+---@field to? daft.vector|daft.entity distance: the point on b; drag: the target; where b is unless given
+---@field axis? daft.vector Of a hinge, a slider, or a ball's cone, in the world; any length; {0, 1, 0} unless given
+---@field limit? table|number Radians of a hinge, metres of a slider or a distance; a number: a ball's cone, a rope's length
+---@field motor? table rad/s and N m, or m/s and N; of a ball: a brake, the friction of a shoulder
+---@field spring? table distance: a spring about its length; hinge, slider: about 0; ball, fixed: the whole joint gives
+---@field length? number Between the two points; 0: what it is now (number, m, 0 to 1e+07); 0 unless given
+---@field break_force? number The mean over a tick at which it breaks; 0: never (number, N, 0 to 1e+30); 0 unless given
+---@field break_torque? number The mean over a tick at which it breaks; 0: never (number, N m, 0 to 1e+30); 0 unless given
+---@field collide? boolean Whether the two bodies still touch each other; false unless given
+
+---@class daft.surfaces.options
+---@field friction? number Coulomb's coefficient (number, 0 or more); 0 unless given
+---@field static_friction? number The same for what does not slide yet (number, 0 or more); 0 unless given
+---@field restitution? number How much of a bounce comes back (number, 0 to 1); 0 unless given
+---@field rolling_resistance? number What brakes rolling, as a fraction of load times radius (number, 0 or more); 0 unless given
+
+---@class daft.character.options
+---@field position? daft.vector|daft.entity Of the capsule's centre; where entity is unless given
+---@field radius? number Of the capsule (number, m, 0.001 to 1000); 0.3 unless given
+---@field height? number Of the capsule, from end to end; at least twice the radius (number, m, 0.001 to 10000); 1.8 unless given
+---@field step? number What it climbs without a jump; at most half its height (number, m, 0 to 5000); 0.35 unless given
+---@field slope? number From level; it slides down ground that is steeper (number, rad, 0 to 1.5); 0.8727 unless given
+---@field acceleration? number With which it takes up the speed it is asked for, on the ground (number, m/s², 0 to 1e+06); 60 unless given
+---@field air_acceleration? number The same in the air (number, m/s², 0 to 1e+06); 12 unless given
+---@field gravity? number The fraction of gravity that acts on it (number, 0 to 1000); 1 unless given
+---@field mass? number What weighs on what it stands on (number, kg, 0 to 1e+09); 80 unless given
+---@field force? number The most it pushes bodies with (number, N, 0 to 1e+09); 400 unless given
+---@field layer? string|table The layers that it is in
+---@field hits? string|table The layers that it meets
+---@field entity? daft.entity One that goes where the character goes, or none; its own body is not in the way
+
+---@class daft.query.ray.options
+---@field static? boolean Whether static bodies are met; true unless given
+---@field kinematic? boolean Whether kinematic bodies are met; true unless given
+---@field dynamic? boolean Whether dynamic bodies are met; true unless given
+---@field sensors? boolean Whether sensors are met as well; false unless given
+---@field layer? string|table The layers that the query is in
+---@field hits? string|table The layers that it meets, as between two bodies
+---@field ignore? daft.entity An entity that it passes through, or none
+
+---@class daft.picture.draw.options
+---@field position? daft.vector|daft.entity Where it is; {0, 0, 0} unless given
+---@field yaw? number 0 looks along +X, positive turns right, towards +Z (number, rad, -1e+06 to 1e+06); 0 unless given
+---@field pitch? number Positive looks down (number, rad, -1e+06 to 1e+06); 0 unless given
+---@field roll? number Positive leans right (number, rad, -1e+06 to 1e+06); 0 unless given
+---@field fov? number The horizontal angle of view, below pi (number, rad, 1e-06 to 3.1415); 1.5707964 unless given
+
+---@class daft.material.options
+---@field ambient? daft.color|number The fraction of the ambient light that it reflects (Ka); 0.8 unless given
+---@field color? daft.color Lambert's reflection, and that of ambient light unless ambient is given; white where there is a texture; {0.8, 0.8, 0.8} unless given
+---@field specular? daft.color|number Phong's highlight (Ks); 0.2 unless given
+---@field shininess? number Phong's exponent (Ns): higher is smaller (number, 0 to 1000); 30 unless given
+---@field mirror? number The weight of the mirrored ray's light (number, 0 to 1); 0 unless given
+---@field mirror_tint? daft.color The mirrored light is multiplied by it; {1, 1, 1} unless given
+---@field roughness? number How rough it is where it mirrors or lets light through: 0 is smooth (Pr) (number, 0 to 1); 0 unless given
+---@field emission? daft.color|number Light that it gives off by itself; it lights nothing else; 0 unless given
+---@field transmission? number The fraction of the light that passes through; the rest is left to color and ambient (number, 0 to 1); 0 unless given
+---@field transmission_tint? daft.color The light that passes is multiplied by it at each surface; {1, 1, 1} unless given
+---@field refractive_index? number How strongly light is bent, and so mirrored: water 1.33, glass 1.5, diamond 2.42; 1: not at all (number, 0.001 to 10); 1.5 unless given
+---@field texture? "name" An image: "checker" is textures/checker.png in the game's folder or in assets/
+---@field texture_scale? number|table Repeats of the texture over one unit of u and of v; on boxes one unit is a metre; 1 unless given
+
+---@class daft.light.sun.options
+---@field direction? daft.vector Where its light travels to: a spot's axis; any length but zero; {0, -1, 0} unless given
+---@field color? daft.color Its colour in linear light; values over 1 are brighter; {1, 1, 1} unless given
+---@field shadow? boolean Whether entities cast shadows in it; true unless given
+---@field disc? number Half the angle that its disc spans, for soft shadows; 0: they are sharp (number, rad, 0 to 0.785398); 0 unless given
+
+---@class daft.light.point.options
+---@field position? daft.vector|daft.entity Where it is; {0, 0, 0} unless given
+---@field color? daft.color Its colour in linear light; values over 1 are brighter; {1, 1, 1} unless given
+---@field shadow? boolean Whether entities cast shadows in it; true unless given
+---@field radius? number Of the ball that glows, for soft shadows; 0: a point, whose shadows are sharp (number, m, 0 to 1e+06); 0 unless given
+---@field range? number Where its light ends, having faded all the way; 0: it is equally bright at any distance (number, m, 0 to 1e+06); 0 unless given
+
+---@class daft.light.spot.options
+---@field position? daft.vector|daft.entity Where it is; {0, 0, 0} unless given
+---@field direction? daft.vector Where its light travels to: a spot's axis; any length but zero; {0, -1, 0} unless given
+---@field color? daft.color Its colour in linear light; values over 1 are brighter; {1, 1, 1} unless given
+---@field shadow? boolean Whether entities cast shadows in it; true unless given
+---@field inner? number All of its light is within this angle of the direction; three quarters of angle where only that is given (number, rad, 0 to 3.14159); 0.3926991 unless given
+---@field angle? number None of its light is beyond this angle of the direction (number, rad, up to 3.14159); 0.5235988 unless given
+---@field radius? number Of the ball that glows, for soft shadows; 0: a point, whose shadows are sharp (number, m, 0 to 1e+06); 0 unless given
+---@field range? number Where its light ends, having faded all the way; 0: it is equally bright at any distance (number, m, 0 to 1e+06); 0 unless given
+
+---@class daft.camera.set.options
+---@field position? daft.vector|daft.entity Where it is; {0, 0, 0} unless given
+---@field yaw? number 0 looks along +X, positive turns right, towards +Z (number, rad, -1e+06 to 1e+06); 0 unless given
+---@field pitch? number Positive looks down (number, rad, -1e+06 to 1e+06); 0 unless given
+---@field roll? number Positive leans right (number, rad, -1e+06 to 1e+06); 0 unless given
+---@field fov? number The horizontal angle of view, below pi (number, rad, 1e-06 to 3.1415); 1.5707964 unless given
+---@field teleport? boolean Whether it jumps there without a glide
+
+---Makes an entity: at most one of mesh, sphere and box is drawn, and a body is simulated.
+---@param options daft.entity.options
+---@return daft.entity
+function daft.entity(options) end
+
+---Where it is, or puts it there (also {x, y, z}). Drawing glides from the last place to this one.
+---@param x? number
+---@param y? number
+---@param z? number
+---@return number
+---@return number
+---@return number
+function entity:position(x, y, z) end
+
+---Where it is in the world; position is relative to its parent.
+---@return number
+---@return number
+---@return number
+function entity:world_position() end
+
+---Puts it there at once, without a glide.
+---@param x number
+---@param y number
+---@param z number
+function entity:teleport(x, y, z) end
+
+---The rotation as a quaternion, or sets it from three angles or a quaternion's four numbers.
+---@param yaw? number
+---@param pitch? number
+---@param roll? number
+---@return number
+---@return number
+---@return number
+---@return number
+function entity:rotation(yaw, pitch, roll) end
+
+---The scale, or sets it.
+---@param s? number
+---@param y? number
+---@param z? number
+---@return number
+---@return number
+---@return number
+function entity:scale(s, y, z) end
+
+---Gives it another material, as in daft.entity.
+---@param material daft.anymaterial
+function entity:material(material) end
+
+---Whether it is drawn and hit by rays, or sets it.
+---@param on? boolean
+---@return boolean
+function entity:visible(on) end
+
+---Metres a second; of a body.
+---@param x? number
+---@param y? number
+---@param z? number
+---@return number
+---@return number
+---@return number
+function entity:velocity(x, y, z) end
+
+---Radians a second about each axis; of a body.
+---@param x? number
+---@param y? number
+---@param z? number
+---@return number
+---@return number
+---@return number
+function entity:angular_velocity(x, y, z) end
+
+---What touched it in the last step: a list of {other = entity, point = {x, y, z}, normal = {x, y, z},
+---impulse = n}; the normal points away from the other.
+---@return table
+function entity:contacts() end
+
+---Takes it and its children out of the world.
+function entity:destroy() end
+
+---False once it has been destroyed.
+---@return boolean
+function entity:valid() end
+
+---A force in newtons over the next step, at the centre of a dynamic body.
+---@param x number
+---@param y number
+---@param z number
+function entity:push(x, y, z) end
+
+---A kick in kilograms times metres a second, at the centre of a dynamic body or at a point {x, y, z} of the world.
+---@param x number
+---@param y number
+---@param z number
+---@param point? daft.place
+function entity:impulse(x, y, z, point) end
+
+---A torque in newton metres over the next step.
+---@param x number
+---@param y number
+---@param z number
+function entity:torque(x, y, z) end
+
+---A twist in kg·m²/s.
+---@param x number
+---@param y number
+---@param z number
+function entity:angular_impulse(x, y, z) end
+
+---Of a body; 0 where it is not dynamic.
+---@return number
+function entity:mass() end
+
+---Whether a body is awake; or wakes its island, or lets it sleep.
+---@param on? boolean
+---@return boolean
+function entity:awake(on) end
+
+---Gives a body other layers, as the fields layer and hits of daft.entity do.
+---@param layer? string|string[]
+---@param hits? string|string[]
+function entity:layers(layer, hits) end
+
+---Joins two bodies, or one and the world.
+---@param options daft.joint.options
+---@return daft.joint
+function daft.joint(options) end
+
+---Takes it away.
+function joint:destroy() end
+
+---False once it was destroyed, broke, or went with a body.
+---@return boolean
+function joint:valid() end
+
+---A hinge's angle, a slider's displacement, a distance's length; and how fast it changes.
+---@return number
+---@return number
+function joint:value() end
+
+---What it had to hold, as the mean over the last step.
+---@return number
+---@return any
+function joint:force() end
+
+---Drives a hinge or slider at a speed with at most a force, or brakes a ball; nothing: off.
+---@param speed? number
+---@param force? number
+function joint:motor(speed, force) end
+
+---Limits its value; nothing: off.
+---@param lower? number
+---@param upper? number
+function joint:limit(lower, upper) end
+
+---Makes it a spring; nothing: stiff.
+---@param hertz? number
+---@param damping? number
+function joint:spring(hertz, damping) end
+
+---Where a drag joint draws to.
+---@param x number
+---@param y number
+---@param z number
+function joint:target(x, y, z) end
+
+---What happened in the last step: {kind =, a =, b =, impulse =}. kind is "begin" or "end" of a contact, "enter" or
+---"leave" of a sensor (a), "break" or "gone" of a joint (joint =), "sleep" or "wake" of a body (a). A begin has
+---point =, normal = and speed =, too.
+---@return table
+function daft.events() end
+
+---Sets substeps = 1 to 16 (4 unless set) and sleeping = true or false. Gives counts of the last step: bodies, awake,
+---joints, islands, pairs, contacts, rows, colours, substeps (the most of any island), sweeps.
+---@param options? table
+---@return table
+function daft.physics(options) end
+
+---What counts where two kinds of surface meet; without the table, what the bodies say.
+---@param name string
+---@param name2 string
+---@param options? daft.surfaces.options
+function daft.surfaces(name, name2, options) end
+
+---The state of all bodies, joints and characters, for daft.load_bodies in the same run of the game.
+---@return string
+function daft.save_bodies() end
+
+---Puts all bodies, joints and characters back as they were; the entities must be the same.
+---@param string string
+function daft.load_bodies(string) end
+
+---A capsule that walks, climbs steps and slopes, slides along walls, rides, jumps, and pushes bodies.
+---@param options daft.character.options
+---@return daft.character
+function daft.character(options) end
+
+---Walks so from now on, in m/s.
+---@param x number
+---@param z number
+function character:walk(x, z) end
+
+---Upwards in m/s, if it stands in this tick.
+---@param speed number
+function character:jump(speed) end
+
+---Of its middle; with arguments, it is there at once.
+---@param x? number
+---@param y? number
+---@param z? number
+---@return number
+---@return number
+---@return number
+function character:position(x, y, z) end
+
+---In m/s.
+---@return number
+---@return number
+---@return number
+function character:velocity() end
+
+---What it stands on, and how: on ground, down a slope that is too steep, in the air, or held with too little room.
+---@return daft.entity|nil
+---@return "ground"|"slope"|"air"|"crushed"
+function character:ground() end
+
+---By which what it stands on turned it in the last tick.
+---@return number
+function character:turn() end
+
+---With an argument it crouches or rises, and says whether there was room.
+---@param metres? number
+---@return number|boolean
+function character:height(metres) end
+
+---Takes it out of the game; its entity stays.
+function character:destroy() end
+
+---False once it has been destroyed.
+---@return boolean
+function character:valid() end
+
+---The nearest body along a ray: {entity =, distance =, position =, normal =, inside =}.
+---@param from daft.place
+---@param direction daft.vector
+---@param max_distance? number
+---@param options? daft.query.ray.options
+---@return daft.hit|nil
+function daft.query.ray(from, direction, max_distance, options) end
+
+---All bodies along a ray, nearest first, up to 256.
+---@param from daft.place
+---@param direction daft.vector
+---@param max_distance? number
+---@param options? table
+---@return table
+function daft.query.all(from, direction, max_distance, options) end
+
+---The same for a shape that moves: {sphere = radius}, {box = {x, y, z}} or {capsule = {radius, height}},
+---and rotation.
+---@param shape table
+---@param from daft.place
+---@param direction daft.vector
+---@param max_distance? number
+---@param options? table
+---@return daft.hit|nil
+function daft.query.cast(shape, from, direction, max_distance, options) end
+
+---The bodies that a shape overlaps, up to 256.
+---@param shape table
+---@param at daft.place
+---@param options? table
+---@return table
+function daft.query.overlap(shape, at, options) end
+
+---The nearest point of any body.
+---@param from daft.place
+---@param max_distance? number
+---@param options? table
+---@return daft.hit|nil
+function daft.query.closest(from, max_distance, options) end
+
+---Or "file.mtl#name". Where a material is wanted, such a table, a texture's name or a colour do too.
+---@param options daft.material.options
+---@return daft.material
+function daft.material(options) end
+
+---Changes what the table names, for everything that has this material.
+---@param options table
+function material:set(options) end
+
+---Loads a mesh, or makes one: positions is a list of {x, y, z}, triangles of {a, b, c} counted from 1,
+---counter-clockwise seen from the front; normals and uvs are optional, one a position.
+---@param options string|table
+---@return daft.mesh
+function daft.mesh(options) end
+
+---The lowest and highest coordinates.
+---@return daft.vector
+---@return daft.vector
+function mesh:bounds() end
+
+---Light from infinitely far.
+---@param options daft.light.sun.options
+---@return daft.light
+function daft.light.sun(options) end
+
+---Light from a point, equally bright at any distance unless it has a range.
+---@param options daft.light.point.options
+---@return daft.light
+function daft.light.point(options) end
+
+---A point light that shines into a cone.
+---@param options daft.light.spot.options
+---@return daft.light
+function daft.light.spot(options) end
+
+---Changes what the table names.
+---@param options table
+function light:set(options) end
+
+---Moves a point light or a spot.
+---@param x number
+---@param y number
+---@param z number
+function light:position(x, y, z) end
+
+---Turns a sun or a spot.
+---@param x number
+---@param y number
+---@param z number
+function light:direction(x, y, z) end
+
+---Values above 1 are brighter.
+---@param color daft.color
+function light:color(color) end
+
+---Whether entities cast shadows in it.
+---@param on boolean
+function light:shadow(on) end
+
+---Puts it out for good.
+function light:destroy() end
+
+---False once it has been destroyed.
+---@return boolean
+function light:valid() end
+
+---Light from everywhere; what stands within so many metres of a surface keeps it away (ambient occlusion).
+---@param color daft.color
+---@param occlusion? number
+function daft.ambient(color, occlusion) end
+
+---The same sky everywhere.
+---@param color daft.color
+function daft.sky.color(color) end
+
+---A sky from one colour above to another at the horizon.
+---@param zenith daft.color
+---@param horizon daft.color
+function daft.sky.gradient(zenith, horizon) end
+
+---One equirectangular image around the world.
+---@param options string
+function daft.sky.image(options) end
+
+---From a place to a place; either may be an entity: where it is now. fov is horizontal, in radians.
+---teleport = true jumps there without a glide.
+---@param options table
+function daft.camera.look(options) end
+
+---What is not named stays.
+---@param options daft.camera.set.options
+function daft.camera.set(options) end
+
+---The same fields but teleport.
+---@return table
+function daft.camera.get() end
+
+---Keys have SDL's names in lower case: "a", "left", "space", "return", "left shift", "f1", "mouse1".
+---@param key string
+---@return boolean
+function daft.input.down(key) end
+
+---It went down in this tick.
+---@param key string
+---@return boolean
+function daft.input.pressed(key) end
+
+---It went up in this tick.
+---@param key string
+---@return boolean
+function daft.input.released(key) end
+
+---Two keys as an axis.
+---@param negative string
+---@param positive string
+---@return number
+function daft.input.axis(negative, positive) end
+
+---A gamepad's: "left x", "left y", "right x", "right y", -1 to 1, right and down positive; "left trigger",
+---"right trigger", 0 to 1. Its buttons are keys: "pad a", "pad start", "pad left shoulder", "pad up".
+---@param name string
+---@return number
+function daft.input.stick(name) end
+
+---Presses or releases a key from the next tick on: for bots. It is recorded.
+---@param key string
+---@param down boolean
+function daft.input.set(key, down) end
+
+---1 is left, 2 middle, 3 right.
+---@param button integer
+---@return boolean
+function daft.input.mouse.down(button) end
+
+---It went down in this tick.
+---@param button integer
+---@return boolean
+function daft.input.mouse.pressed(button) end
+
+---It went up in this tick.
+---@param button integer
+---@return boolean
+function daft.input.mouse.released(button) end
+
+---Notches turned in this tick; up and right are positive.
+---@return number
+---@return number
+function daft.input.mouse.wheel() end
+
+---Hides the mouse and keeps it in the window, to look around with its motion.
+---@param on boolean
+function daft.input.mouse.grab(on) end
+
+---HUD units it went right and down in this tick, while it is grabbed.
+---@return number
+---@return number
+function daft.input.mouse.motion() end
+
+---Within daft.draw. align is "left", "center" or "right" of x; y is the top. size 28, white, with a shadow.
+---The string has at most 16384 bytes.
+---@param string string
+---@param x number
+---@param y number
+---@param options? table
+function daft.text(string, x, y, options) end
+
+---A filled rectangle; "#rrggbbaa" shines through.
+---@param x number
+---@param y number
+---@param width number
+---@param height number
+---@param color? daft.color
+function daft.rect(x, y, width, height, color) end
+
+---Of the widest line.
+---@param string string
+---@param size? number
+---@return number
+function daft.text_width(string, size) end
+
+---The picture is 720 units high and as wide as its shape makes it.
+---@return number
+function daft.width() end
+
+---The picture's height in units.
+---@return number
+function daft.height() end
+
+---Calls the function at once, as a task: it may wait, and goes on in a later tick, after daft.update. An error in
+---it is the game's.
+---@param f function
+---@param ... any
+---@return thread
+function daft.start(f, ...) end
+
+---Only in a task: goes on after so many seconds of the game, in the next tick at the earliest. Also just wait(...).
+---@param seconds? number
+function daft.wait(seconds) end
+
+---Only in a task: goes on in the first tick, from the next one on, in which the function says true. It is called
+---once a tick. Also just wait_until(...).
+---@param f function
+function daft.wait_until(f) end
+
+---Calls the function once, as a task, so many seconds from now.
+---@param seconds number
+---@param f function
+---@return thread
+function daft.after(seconds, f) end
+
+---Calls the function again and again, as a task, first so many seconds from now; until it returns false.
+---@param seconds number
+---@param f function
+---@return thread
+function daft.every(seconds, f) end
+
+---The task does not go on. One that has ended is left alone.
+---@param task thread
+function daft.cancel(task) end
+
+---Whether the task runs or waits.
+---@param task thread
+---@return boolean
+function daft.running(task) end
+
+---The nearest visible entity along a ray: {entity =, distance =, position =, normal =, triangle =}.
+---from may be an entity; ignore is one that the ray passes through.
+---@param from daft.place
+---@param direction daft.vector
+---@param max_distance? number
+---@param ignore? daft.entity
+---@return daft.hit|nil
+function daft.raycast(from, direction, max_distance, ignore) end
+
+---In m/s²; 0, -9.81, 0 unless set.
+---@param x number
+---@param y number
+---@param z number
+function daft.gravity(x, y, z) end
+
+---Of the game: ticks / 60.
+---@return number
+function daft.time() end
+
+---Updates since the game began.
+---@return number
+function daft.tick() end
+
+---0 <= x < 1; or a whole number from 1 to m, or from m to n. The same in every run with the same seed;
+---math.random is the same function. Within daft.draw it draws from a sequence of its own.
+---@param m? number
+---@param n? number
+---@return number
+function daft.random(m, n) end
+
+---Starts the sequence again; math.randomseed is the same function.
+---@param seed? number
+function daft.randomseed(seed) end
+
+---Adds what a scene file describes.
+---@param options string
+function daft.scene(options) end
+
+---Asks for frames that take at most so many milliseconds, by pictures that are less exact where they
+---must be; 0: whatever they take. What the player asked for goes first. Nothing else changes.
+---@param options table
+function daft.quality(options) end
+
+---Starts the game afresh after this tick.
+function daft.restart() end
+
+---Ends the game after this tick.
+function daft.quit() end
+
+---What a camera of the game sees, for the game to read; up to 1,048,576 pixels. It has no pixels until it is drawn.
+---@param options table
+---@return daft.picture
+function daft.picture(options) end
+
+---Draws what the camera sees now. What is not named stays as in the last call; first it is daft.camera's default.
+---@param options? daft.picture.draw.options
+function picture:draw(options) end
+
+---In pixels.
+---@return number
+---@return number
+function picture:size() end
+
+---Metres along the ray; math.huge where the sky is. Pixels count from 0, 0.
+---@param x number
+---@param y number
+---@return number
+function picture:depth(x, y) end
+
+---nil where the sky is, or what has been destroyed since.
+---@param x number
+---@param y number
+---@return daft.entity|nil
+function picture:entity(x, y) end
+
+---Of the surface, unit; zeros where the sky is.
+---@param x number
+---@param y number
+---@return number
+---@return number
+---@return number
+function picture:normal(x, y) end
+
+---Linear light, not limited to 1.
+---@param x number
+---@param y number
+---@return number
+---@return number
+---@return number
+function picture:color(x, y) end
+
+---The surface's own colour, linear; zeros where the sky is.
+---@param x number
+---@param y number
+---@return number
+---@return number
+---@return number
+function picture:albedo(x, y) end
+
+---Pixels to the right and down that what is seen has moved since the picture was drawn before.
+---@param x number
+---@param y number
+---@return number
+---@return number
+function picture:motion(x, y) end
+
+---Of the entity's mesh, from 0.
+---@param x number
+---@param y number
+---@return number
+function picture:triangle(x, y) end
+
+---Rays that were cast for the pixel.
+---@param x number
+---@param y number
+---@return number
+function picture:cost(x, y) end
+
+---Keeps a value for later starts: numbers, strings, booleans, and tables of them with strings or
+---whole numbers as keys, up to a million bytes. A crash or a power cut leaves the old value or the new
+---one. nil forgets it. While a recording plays nothing is written.
+---@param name string
+---@param value any
+function daft.save(name, value) end
+
+---What was saved last, in this start or an earlier one. The message says why a file cannot be read; it
+---is kept beside the next one. Recordings hold what was loaded. A run without a window begins with nothing.
+---@param name string
+---@return number|nil
+---@return string|nil
+function daft.load_saved(name) end
+
+---A sound from a WAV, OGG, FLAC or MP3 file, at most ten minutes long; or made of numbers: wave ("sine",
+---"triangle", "saw", "square", "noise"), pitch and slide (Hz at the beginning and at the end: 440), attack,
+---hold and decay (seconds in which it rises, stays and falls: 0.005, 0, 0.3), vibrato (semitones: 0) and
+---vibrato_rate (6 a second), duty (of a square: 0.5), cut (Hz, above which it is softer: none), volume (0.6).
+---notes = "c4 e4 g4 -" plays a tune of such sounds, one each beat (0.25 s), - for a rest.
+---@param file string|table
+---@return daft.sound
+function daft.sound(file) end
+
+---Plays it. volume (0 to 4: 1), pitch (how many times as fast: 1), pan (-1 left, 1 right: 0), loop, group (a
+---name), fade (seconds in which it rises). at: a place or an entity, which carries it; it is as loud as it is
+---up to near (3 m), silent from far on (100 m), and muffled by bodies between it and the camera. 64 voices
+---play at once; where one more begins, the one that is nearest its end goes.
+---@param options? table
+---@return daft.voice
+function sound:play(options) end
+
+---How long it is.
+---@return number
+function sound:seconds() end
+
+---Fades it out.
+---@param seconds? number
+function voice:stop(seconds) end
+
+---As in play. What has ended takes all of these, and nothing happens.
+---@param v number
+function voice:volume(v) end
+
+---@param p number
+function voice:pitch(p) end
+
+---@param p number
+function voice:pan(p) end
+
+---Moves it there.
+---@param place daft.place|daft.entity
+function voice:at(place) end
+
+---False once it has ended.
+---@return boolean
+function voice:playing() end
+
+---Plays a sound over and over, in the group "music", while the one before fades out (1 s); nil: no more.
+---@param sound? daft.sound
+---@param options? table
+function daft.music(sound, options) end
+
+---The volume of a group of voices, or of "all": 0 to 4.
+---@param group string
+---@param v? number
+---@return number
+function daft.volume(group, v) end
+
+wait, wait_until = daft.wait, daft.wait_until
