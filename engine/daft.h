@@ -621,9 +621,23 @@ DAFT_API bool daft_joint_set_target(daft_scene *scene, daft_joint joint, daft_dv
 
 /* ---- scenes: the simulation as a whole --------------------------------------------------------------------------- */
 
-/* Substeps of a tick, 1 to 16, default 4: more cost more, and stretch, sink and drift less. */
+/* Substeps of each step, 1 to 16, default 4: more cost more, and stretch, sink and drift less. This and the dt of
+ * daft_scene_step are the knobs of the simulation: unlike those of daft_quality they change the state. */
 DAFT_API bool daft_scene_set_substeps(daft_scene *scene, int substeps, daft_error *error);
 DAFT_API void daft_scene_set_sleeping(daft_scene *scene, bool allowed); /* default true */
+
+/* How well the simulation holds, as the last step left it. */
+typedef struct daft_sim_measure {
+    double energy;      /* J: of all dynamic bodies, kinetic and, from the world's origin, potential */
+    double penetration; /* m: the deepest overlap of two bodies that the last step found */
+    double joint_gap; /* m: the farthest that what a joint keeps together is apart; springs and sliders do not count */
+} daft_sim_measure;
+
+/* Looks at every body, contact and joint: for tests and reports. All 0 where there are no bodies. */
+DAFT_API bool daft_scene_measure_sim(daft_scene *scene, daft_sim_measure *out, daft_error *error);
+/* Writes the first `capacity` entities with dynamic or kinematic bodies, and returns how many there are. `out` may be
+ * NULL where `capacity` is 0. */
+DAFT_API uint32_t daft_scene_moving(const daft_scene *scene, daft_entity *out, uint32_t capacity);
 
 /* What counts where two kinds of surface meet, in place of what their bodies say. Kinds are 0..63 and may be equal. */
 typedef struct daft_surfaces { /* ranges as in daft_entity_def */
@@ -760,19 +774,20 @@ DAFT_API bool daft_scene_step(daft_scene *scene, float dt, daft_error *error);
 DAFT_API uint64_t daft_scene_hash(const daft_scene *scene);
 DAFT_API uint64_t daft_hash(const void *bytes, size_t size, uint64_t seed); /* FNV-1a */
 
-/* ---- rendering --------------------------------------------------------------------------------------------------- */
+/* ---- quality: what a picture may cost ---------------------------------------------------------------------------- */
 
-typedef enum daft_quality {
-    DAFT_QUALITY_DRAFT = 0, /* one sample, no shadows, no reflections, through six surfaces that transmit */
-    DAFT_QUALITY_GAME,      /* one sample and four at edges, shadows, reflections two deep, through twelve surfaces */
-    DAFT_QUALITY_HIGH,      /* four samples, reflections six deep, through sixteen surfaces */
-    DAFT_QUALITY_REFERENCE  /* sixteen samples, every camera ray alone through the BVH, reflections ten deep, through 24
-                             */
-} daft_quality;
+/* The presets are rows of one table, engine/render/presets.c. */
+typedef enum daft_preset {
+    DAFT_PRESET_DRAFT = 0, /* one sample, no shadows, no reflections, through six surfaces that transmit */
+    DAFT_PRESET_GAME,      /* one sample and four at edges, shadows, reflections two deep, through twelve surfaces */
+    DAFT_PRESET_HIGH,      /* four samples, reflections six deep, through sixteen surfaces */
+    DAFT_PRESET_REFERENCE  /* sixteen samples, every camera ray alone through the BVH, reflections ten deep, through 24
+                            */
+} daft_preset;
 
 /* "draft", "game", "high", "reference"; false for other names. */
-DAFT_API bool daft_quality_parse(const char *name, daft_quality *out);
-DAFT_API const char *daft_quality_name(daft_quality quality);
+DAFT_API bool daft_preset_parse(const char *name, daft_preset *out);
+DAFT_API const char *daft_preset_name(daft_preset preset);
 
 /* How rays and triangles meet; what each costs is measured by `daft bench --only intersection`. */
 typedef enum daft_intersection {
@@ -785,6 +800,62 @@ typedef enum daft_intersection {
 /* "exact", "watertight", "fast"; false for other names. */
 DAFT_API bool daft_intersection_parse(const char *name, daft_intersection *out);
 DAFT_API const char *daft_intersection_name(daft_intersection intersection);
+
+/* What camera rays are found by; all give the same picture. */
+typedef enum daft_tree {
+    DAFT_TREE_RASTER = 0, /* projected bounds say which rays are tested against what; rays that share no origin take the
+                             BVH */
+    DAFT_TREE_BVH,        /* each camera ray alone through the BVH */
+    DAFT_TREE_KDTREE      /* each camera and mirrored ray alone through kd-trees, built by the first such picture */
+} daft_tree;
+
+/* What a texture's colour at a point is made of. */
+typedef enum daft_texture_filter {
+    DAFT_TEXTURE_TRILINEAR = 0, /* two levels of the mip map, four texels of each */
+    DAFT_TEXTURE_MIPMAP,        /* the nearest level, four texels */
+    DAFT_TEXTURE_BILINEAR,      /* the finest level, four texels */
+    DAFT_TEXTURE_NEAREST        /* the finest level, one texel */
+} daft_texture_filter;
+
+/* How a picture that is drawn smaller is enlarged to its target. */
+typedef enum daft_upscale {
+    DAFT_UPSCALE_BILINEAR = 0,
+    DAFT_UPSCALE_BICUBIC, /* Catmull and Rom: sharper, within the four neighbours' range */
+    DAFT_UPSCALE_NEAREST
+} daft_upscale;
+
+/* The knobs: what a picture costs and how exact it is. They never change the scene or the simulation, whose own knobs
+ * are daft_scene_set_substeps and the dt of daft_scene_step. The names are the same in C, in daft.quality { } of Lua,
+ * in the `quality` item of .scene files, and on the command line (--knobs). What each costs is measured by
+ * `daft cost`. */
+typedef struct daft_quality {
+    float scale;          /* sides of the drawn picture relative to its target, 0.1 to 1; below 1 a view has no band and
+                             no channels */
+    daft_upscale upscale; /* where scale is below 1 */
+    daft_intersection visibility;
+    daft_tree tree;
+    int samples;        /* per pixel: 1, 4, 8 or 16 */
+    int edge_samples;   /* more where a pixel differs from its neighbours: 0; 4, its corners, at outlines and creases;
+                           16, at edges of shadows and in mirrors, too */
+    bool shadows;       /* of every light */
+    int shadow_samples; /* rays to a light that has a size, 1 to 64; 0: its shadows are sharp */
+    int occlusion_samples; /* rays around each point for ambient occlusion, 1 to 64; 0: none */
+    int mirror_depth;      /* mirror bounces followed, 0 to 32 */
+    int refraction_depth;  /* surfaces that a path which passes through some may meet, 0 to 32 */
+    float min_weight;      /* mirrored or refracted rays that weigh less in all colours are not cast, 0 to 1 */
+    int glossy_samples;    /* rays that a rough surface sends on, 1 to 64; 0: none is rough */
+    daft_texture_filter texture_filter;
+    bool denoise; /* filters what is sampled */
+} daft_quality;
+
+/* The values of a preset; of none, those of DAFT_PRESET_GAME. */
+DAFT_API daft_quality daft_preset_quality(daft_preset preset);
+/* What the scene asks for: by default DAFT_PRESET_GAME's, or what the `quality` item of a .scene file says. It is a
+ * wish for whoever draws the scene: daft_render goes by the view. Not part of the state's hash. */
+DAFT_API bool daft_scene_set_quality(daft_scene *scene, const daft_quality *quality, daft_error *error);
+DAFT_API daft_quality daft_scene_quality(const daft_scene *scene);
+
+/* ---- rendering --------------------------------------------------------------------------------------------------- */
 
 /* What a pixel's first sample saw, but for color and cost. All arrays are the caller's, width·height long, and may be
  * NULL. */
@@ -824,25 +895,11 @@ enum {
 typedef struct daft_view {
     uint32_t cookie;
     daft_camera camera;
-    float alpha; /* between the last two ticks: 0 the one before, 1 now */
-    daft_quality quality;
-    /* Knobs: each replaces one value of the quality's preset. They change the picture, never the scene. */
-    int samples;          /* per pixel; 0: the quality's; else 1, 4, 8 or 16 */
-    int edge_samples;     /* more where a pixel differs from its neighbours: 0; 4, its corners, at outlines and creases;
-                             16, at edges of shadows and in mirrors, too; -1: the quality's, or 0 where `samples` is set */
-    int mirror_depth;     /* mirror bounces followed, 0 to 32; -1: the quality's */
-    int refraction_depth; /* surfaces that a path which passes through some may meet, 0 to 32; -1: the quality's */
-    float min_weight;     /* mirrored or refracted rays below it are not cast, 0 to 1; below 0: the quality's */
-    int shadows;          /* 0: none, 1: of every light; -1: the quality's */
-    int shadow_samples;   /* rays to a light that has a size, 1 to 64; 0: its shadows are sharp; -1: the quality's */
-    int occlusion_samples; /* rays around each point for ambient occlusion, 1 to 64; 0: none; -1: the quality's */
-    int glossy_samples;    /* rays that a rough surface sends on, 1 to 64; 0: none is rough; -1: the quality's */
-    int denoise;           /* 1: filters what is sampled; 0: not; -1: the quality's */
-    daft_intersection intersection;
-    bool reference;   /* camera rays alone through the BVH, as in DAFT_QUALITY_REFERENCE */
-    int first_row;    /* draws a band of the picture: a multiple of 32 */
-    int row_count;    /* of the band; a multiple of 32 or up to the last row; 0: from first_row to the last */
-    uint32_t without; /* DAFT_WITHOUT_…; 0: the whole picture */
+    float alpha;          /* between the last two ticks: 0 the one before, 1 now */
+    daft_quality quality; /* the knobs: daft_preset_quality(…), or that with single values changed */
+    int first_row;        /* draws a band of the picture: a multiple of 32 */
+    int row_count;        /* of the band; a multiple of 32 or up to the last row; 0: from first_row to the last */
+    uint32_t without;     /* DAFT_WITHOUT_…; 0: the whole picture */
     daft_aov aov;
     /* Drawing a whole picture, no band, makes it the last one; of a picture without channels by the same camera only
      * tiles are drawn that a change may reach, unless `full` asks for all. NULL: none. */
@@ -1125,6 +1182,7 @@ typedef enum daft_struct {
     DAFT_STRUCT_SURFACES,
     DAFT_STRUCT_CAMERA,
     DAFT_STRUCT_LIGHT_DEF,
+    DAFT_STRUCT_QUALITY,
     DAFT_STRUCT_VIEW,
     DAFT_STRUCT_QUERY_FILTER,
     DAFT_STRUCT_VOLUME,
@@ -1177,6 +1235,8 @@ typedef struct daft_field {
     double initial[4];   /* the default, component by component */
     const char *const *choices; /* names of the values 0, 1, …; NULL where a value has none */
     uint32_t choice_count;
+    uint32_t value_count; /* of `values`: the only ones that the number may have; 0: all of the range */
+    const double *values;
     uint32_t kinds;     /* bit k: used where the struct's first choice is k; 0: used always */
     const char *lua;    /* its name in tables of Lua, or NULL */
     const char *scene;  /* its name in options of .scene files, name=value, or NULL */

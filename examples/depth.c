@@ -54,8 +54,8 @@ int main(int argc, char **argv)
     daft_view view = daft_default_view();
     view.camera = daft_scene_camera(scene, 1);
     view.camera.pitch = 0;
-    view.quality = DAFT_QUALITY_DRAFT; /* shadows and reflections do not change depth */
-    view.aov.depth = depth;            /* metres along each pixel's ray; infinity where the sky is */
+    view.quality = daft_preset_quality(DAFT_PRESET_DRAFT); /* shadows and reflections do not change depth */
+    view.aov.depth = depth; /* metres along each pixel's ray; infinity where the sky is */
     for (int frame = 0; frame < FRAMES; frame++) {
         char path[1024];
         if (!daft_render(scene, &view, image, &error)) return fail(&error);

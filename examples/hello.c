@@ -48,7 +48,7 @@ int main(int argc, char **argv)
 
     daft_view view = daft_default_view();
     view.camera = daft_camera_look_at((daft_dvec3){-2.5, 1.5, 1}, (daft_dvec3){0, 0.4, 0}, 1);
-    view.quality = DAFT_QUALITY_HIGH;
+    view.quality = daft_preset_quality(DAFT_PRESET_HIGH);
     if (!daft_render(scene, &view, image, &error)) return fail(&error);
     if (!daft_image_write(image, argc > 1 ? argv[1] : "hello.png", &error)) return fail(&error);
 

@@ -119,7 +119,7 @@ static bool prepare_refractions(daft_frame *frame, daft_error *error)
 {
     daft_renderer *r = frame->renderer;
     if (!frame->plan.refracts) return true;
-    size_t depths = (size_t)frame->plan.preset->refraction_depth, all = depths * (size_t)r->threads;
+    size_t depths = (size_t)frame->plan.quality->refraction_depth, all = depths * (size_t)r->threads;
     if (!daft_grow(&r->allocator, &r->refracted, &r->refracted_capacity, all, 0, sizeof *r->refracted))
         return daft_fail_memory(error, "refracted rays");
     for (size_t i = 0; i < all; i++) r->refracted[i].count = 0;
@@ -134,9 +134,9 @@ static bool prepare_tree(daft_frame *frame, daft_error *error)
     daft_renderer *r = frame->renderer;
     const daft_snapshot *s = frame->snapshot;
     bool asked = frame->plan.shadows || frame->plan.occlusion || frame->plan.reflects || frame->plan.refracts ||
-                 s->preset.reference;
+                 s->quality.tree != DAFT_TREE_RASTER;
     if (!asked) return true;
-    const daft_tlas_def def = {.intersection = s->intersection, .threads = r->threads, .isa = r->isa};
+    const daft_tlas_def def = {.intersection = s->quality.visibility, .threads = r->threads, .isa = r->isa};
     if (!r->tlas) r->tlas = daft_tlas_build_for(&r->arena, s->instances, s->instance_count, &def, error);
     if (!r->tlas) r->revision = 0; /* half of one is forgotten, too */
     frame->tlas = r->tlas;
@@ -159,19 +159,20 @@ static int apron_of(const daft_frame *frame) { return frame->edge_scale || frame
 static void count_work(daft_frame *frame)
 {
     choose_rows(frame, apron_of(frame));
-    frame->tiles_in_all = frame->tile_count * (uint32_t)frame->snapshot->preset.samples;
+    frame->tiles_in_all = frame->tile_count * (uint32_t)frame->snapshot->quality.samples;
     choose_rows(frame, 0);
     frame->band_tile = frame->first_tile;
     if (frame->edge_scale) frame->tiles_in_all += frame->tile_count;
     if (frame->tiles)
-        frame->tiles_in_all = frame->listed * ((uint32_t)frame->snapshot->preset.samples + (frame->edge_scale ? 1 : 0));
+        frame->tiles_in_all =
+            frame->listed * ((uint32_t)frame->snapshot->quality.samples + (frame->edge_scale ? 1 : 0));
 }
 
 /* Scaled coordinates of pixels are below 2^14, so very large pictures have no grids. */
 static int edge_scale_of(const daft_snapshot *s)
 {
-    const bool grid = s->preset.edge_samples == 16 && daft_max_i(s->width, s->height) <= 16384 / 4;
-    return grid ? 4 : s->preset.edge_samples ? 1 : 0;
+    const bool grid = s->quality.edge_samples == 16 && daft_max_i(s->width, s->height) <= 16384 / 4;
+    return grid ? 4 : s->quality.edge_samples ? 1 : 0;
 }
 
 static bool prepare_edges(daft_frame *frame, daft_error *error)
@@ -220,9 +221,9 @@ static bool render_sample(daft_frame *frame, daft_counters *counters, daft_error
                                   .focal = s->focal,
                                   .width = s->width,
                                   .height = s->height,
-                                  .intersection = s->intersection};
+                                  .intersection = s->quality.visibility};
     float *x = &frame->pencil.shift_x, *y = &frame->pencil.shift_y;
-    sample_shift(s->preset.samples, frame->sample, x, y);
+    sample_shift(s->quality.samples, frame->sample, x, y);
     if (frame->edge_scale) frame->pencil.reach = 0.5f + fmaxf(fabsf(*x), fabsf(*y));
     if (!daft_raster_begin(&r->raster, &frame->pencil, s->instances, s->instance_count, error)) return false;
     daft_parallel_for(r->threads, r->raster.work_count, bin_task, frame);
@@ -234,7 +235,7 @@ static bool render_sample(daft_frame *frame, daft_counters *counters, daft_error
     choose_rows(frame, apron_of(frame));
     if (frame->sample == 0 && !daft_denoise_prepare(frame, error)) return false;
     daft_parallel_for(r->threads, frame->tiles ? frame->listed : frame->tile_count, daft_render_tile, frame);
-    if (frame->sample == s->preset.samples - 1 && !daft_denoise(frame, error)) return false;
+    if (frame->sample == s->quality.samples - 1 && !daft_denoise(frame, error)) return false;
     count_bins(r, counters);
     if (atomic_load(&frame->cancelled)) return daft_fail(error, DAFT_ERROR_CANCELLED, "rendering was stopped");
     return true;
@@ -252,7 +253,7 @@ static bool prepare_tints(daft_renderer *r, daft_error *error)
 static bool prepare_gloss(daft_renderer *r, const daft_plan *plan, daft_error *error)
 {
     const size_t filtered = plan->glossy && plan->denoise ? (size_t)r->threads : 0,
-                 several = plan->glossy && plan->preset->glossy_samples > 1 ? (size_t)r->threads : 0;
+                 several = plan->glossy && plan->quality->glossy_samples > 1 ? (size_t)r->threads : 0;
     if (!daft_grow(&r->allocator, &r->gloss, &r->gloss_capacity, filtered, 0, sizeof *r->gloss) ||
         !daft_grow(&r->allocator, &r->third, &r->third_capacity, several, 0, sizeof *r->third))
         return daft_fail_memory(error, "what rough surfaces show");
@@ -276,9 +277,9 @@ static bool prepare_sampled(daft_renderer *r, bool some, daft_error *error)
 
 static void forget_tree(daft_renderer *r, const daft_snapshot *s)
 {
-    if (s->revision && s->revision == r->revision && s->intersection == r->intersection) return;
+    if (s->revision && s->revision == r->revision && s->quality.visibility == r->intersection) return;
     daft_arena_reset(&r->arena);
-    r->tlas = NULL, r->revision = s->revision, r->intersection = s->intersection;
+    r->tlas = NULL, r->revision = s->revision, r->intersection = s->quality.visibility;
 }
 
 static bool prepare(daft_frame *frame, daft_error *error)
@@ -298,7 +299,7 @@ static bool prepare(daft_frame *frame, daft_error *error)
     if (!prepare_sampled(r, frame->plan.samples_light, error)) return false;
     if (!prepare_gloss(r, &frame->plan, error)) return false;
     if (!prepare_edges(frame, error)) return false;
-    size_t floats = s->preset.samples > 1 && !frame->plan.denoise ? 3 * (size_t)s->width * (size_t)s->height : 0;
+    size_t floats = s->quality.samples > 1 && !frame->plan.denoise ? 3 * (size_t)s->width * (size_t)s->height : 0;
     if (daft_grow(&r->allocator, &r->sum, &r->sum_capacity, floats, 0, sizeof *r->sum)) return true;
     return daft_fail_memory(error, "the samples of a picture");
 }
@@ -324,7 +325,7 @@ static void count_bytes(const daft_frame *frame, daft_counters *c)
         e[e[DAFT_EFFECT_REFLECTION].ran ? DAFT_EFFECT_REFLECTION : DAFT_EFFECT_REFRACTION].bytes +=
             r->gloss_capacity * sizeof *r->gloss + r->third_capacity * sizeof *r->third;
     if (e[DAFT_EFFECT_REFRACTION].ran) e[DAFT_EFFECT_REFRACTION].bytes += r->refracted_capacity * sizeof *r->refracted;
-    if (frame->snapshot->preset.samples > 1 && !frame->plan.denoise)
+    if (frame->snapshot->quality.samples > 1 && !frame->plan.denoise)
         e[DAFT_EFFECT_RESOLVE].bytes = r->sum_capacity * sizeof *r->sum;
     if (e[DAFT_EFFECT_ANTIALIASING].ran)
         e[DAFT_EFFECT_ANTIALIASING].bytes = r->edge_capacity * sizeof *r->edges + r->id_capacity * sizeof *r->ids +
@@ -373,7 +374,7 @@ static void counters_begin(daft_counters *c, const daft_snapshot *s, const daft_
 
 static bool render(daft_frame *frame, daft_counters *counters, daft_error *error)
 {
-    for (frame->sample = 0; frame->sample < frame->snapshot->preset.samples; frame->sample++)
+    for (frame->sample = 0; frame->sample < frame->snapshot->quality.samples; frame->sample++)
         if (!render_sample(frame, counters, error)) return false;
     return !frame->edge_scale || render_edges(frame, error);
 }

@@ -9,7 +9,7 @@
 
 /* What a frame may need at all, before anything is known to be visible. */
 typedef struct daft_plan {
-    const daft_preset *preset;
+    const daft_quality *quality;
     bool shadows, may_reflect;                   /* some light casts them onto something; some material mirrors */
     bool denoise;                                /* what they sample is filtered */
     bool soft, occlusion;                        /* some of these shadows are soft; ambient light is occluded */

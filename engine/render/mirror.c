@@ -151,7 +151,7 @@ bool daft_mirrors_prepare(daft_frame *frame, daft_error *error)
 {
     daft_renderer *r = frame->renderer;
     frame->mirror_count = 0;
-    if (!frame->plan.reflects || frame->snapshot->preset.reference) return true;
+    if (!frame->plan.reflects || frame->snapshot->quality.tree != DAFT_TREE_RASTER) return true;
     find_planes(frame);
     size_t tiles = (size_t)frame->mirror_count * (size_t)r->threads;
     if (!daft_grow(&r->allocator, &r->mirrored, &r->mirrored_capacity, tiles, 0, sizeof *r->mirrored))

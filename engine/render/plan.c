@@ -42,10 +42,10 @@ static bool some_material(const daft_snapshot *snapshot, surface_test *test)
 
 static bool is_rough(const daft_surface *m) { return m->alpha > 0 && (mirrors(m) || transmits(m)); }
 
-static const char *shadow_reason(const daft_snapshot *snapshot, const daft_preset *preset, bool *run)
+static const char *shadow_reason(const daft_snapshot *snapshot, const daft_quality *quality, bool *run)
 {
     *run = false;
-    if (!preset->shadows) return "this quality has no shadows";
+    if (!quality->shadows) return "this quality has no shadows";
     if (snapshot->light_count == 0) return "the scene has no light";
     if (!light_casts(snapshot)) return "no light casts shadows";
     if (!some_flag(snapshot, DAFT_INSTANCE_CASTS_SHADOW | DAFT_INSTANCE_TINTS_SHADOW))
@@ -65,39 +65,39 @@ static const char *occlusion_reason(const daft_snapshot *s, bool *run)
 {
     *run = false;
     if (!(s->occlusion > 0)) return "the scene asks for no ambient occlusion";
-    if (s->preset.occlusion_samples == 0) return "this quality has no ambient occlusion";
+    if (s->quality.occlusion_samples == 0) return "this quality has no ambient occlusion";
     if (!(s->ambient.x > 0 || s->ambient.y > 0 || s->ambient.z > 0)) return "the scene has no ambient light";
     *run = some_flag(s, DAFT_INSTANCE_CASTS_SHADOW);
     return *run ? "a surface is seen" : "nothing visible casts shadows";
 }
 
-static const char *reflection_reason(const daft_snapshot *snapshot, const daft_preset *preset, bool *run)
+static const char *reflection_reason(const daft_snapshot *snapshot, const daft_quality *quality, bool *run)
 {
     *run = false;
-    if (preset->mirror_depth == 0) return "this quality has no reflections";
+    if (quality->mirror_depth == 0) return "this quality has no reflections";
     *run = some_material(snapshot, mirrors) || some_material(snapshot, bends);
     return *run ? "a mirror is seen" : "no material mirrors";
 }
 
 daft_plan daft_plan_make(const daft_snapshot *snapshot)
 {
-    daft_plan plan = {.preset = &snapshot->preset};
+    daft_plan plan = {.quality = &snapshot->quality};
     const char **why = plan.why, **none = plan.why_not_seen;
     why[DAFT_EFFECT_VISIBILITY] = "every picture";
     why[DAFT_EFFECT_SURFACE] = "a surface is seen", none[DAFT_EFFECT_SURFACE] = "no surface is seen";
     why[DAFT_EFFECT_TEXTURE] = "a textured surface is seen", none[DAFT_EFFECT_TEXTURE] = "no textured surface is seen";
-    why[DAFT_EFFECT_SHADOW] = shadow_reason(snapshot, plan.preset, &plan.shadows);
+    why[DAFT_EFFECT_SHADOW] = shadow_reason(snapshot, plan.quality, &plan.shadows);
     none[DAFT_EFFECT_SHADOW] =
         plan.shadows ? "no lit point lies under anything's bounds, seen from a light" : why[DAFT_EFFECT_SHADOW];
-    plan.soft = plan.shadows && plan.preset->shadow_samples > 0 && light_has_size(snapshot);
+    plan.soft = plan.shadows && plan.quality->shadow_samples > 0 && light_has_size(snapshot);
     why[DAFT_EFFECT_OCCLUSION] = occlusion_reason(snapshot, &plan.occlusion);
     none[DAFT_EFFECT_OCCLUSION] = plan.occlusion ? "no surface is seen" : why[DAFT_EFFECT_OCCLUSION];
-    plan.glossy = plan.preset->glossy_samples > 0 &&
-                  (plan.preset->mirror_depth > 0 || plan.preset->refraction_depth > 0) &&
+    plan.glossy = plan.quality->glossy_samples > 0 &&
+                  (plan.quality->mirror_depth > 0 || plan.quality->refraction_depth > 0) &&
                   some_material(snapshot, is_rough);
     plan.samples_light = plan.soft || plan.occlusion;
     const bool sampled = plan.samples_light || plan.glossy;
-    plan.denoise = sampled && plan.preset->denoise;
+    plan.denoise = sampled && plan.quality->denoise;
     why[DAFT_EFFECT_DENOISE] = "light is sampled";
     none[DAFT_EFFECT_DENOISE] = plan.denoise ? "no sampled light is seen"
                                 : !sampled   ? "no light is sampled"
@@ -105,20 +105,20 @@ daft_plan daft_plan_make(const daft_snapshot *snapshot)
     why[DAFT_EFFECT_LIGHTING] = "a lit surface is seen";
     none[DAFT_EFFECT_LIGHTING] =
         snapshot->light_count ? "no surface that faces a light is seen" : "the scene has no light";
-    why[DAFT_EFFECT_REFLECTION] = reflection_reason(snapshot, plan.preset, &plan.may_reflect);
+    why[DAFT_EFFECT_REFLECTION] = reflection_reason(snapshot, plan.quality, &plan.may_reflect);
     none[DAFT_EFFECT_REFLECTION] = plan.may_reflect ? "no mirror is seen" : why[DAFT_EFFECT_REFLECTION];
     plan.tints = plan.shadows && some_material(snapshot, transmits) && some_flag(snapshot, DAFT_INSTANCE_TINTS_SHADOW);
-    plan.may_refract = plan.preset->refraction_depth > 0 && some_material(snapshot, transmits);
+    plan.may_refract = plan.quality->refraction_depth > 0 && some_material(snapshot, transmits);
     why[DAFT_EFFECT_REFRACTION] = "something that transmits is seen";
-    none[DAFT_EFFECT_REFRACTION] = plan.may_refract                     ? "nothing that transmits is seen"
-                                   : plan.preset->refraction_depth == 0 ? "this quality has no refraction"
-                                                                        : "no material transmits";
+    none[DAFT_EFFECT_REFRACTION] = plan.may_refract                      ? "nothing that transmits is seen"
+                                   : plan.quality->refraction_depth == 0 ? "this quality has no refraction"
+                                                                         : "no material transmits";
     why[DAFT_EFFECT_SKY] = "the sky is seen", none[DAFT_EFFECT_SKY] = "the sky is not seen";
     why[DAFT_EFFECT_RESOLVE] = "every picture";
     const char **edges = &none[DAFT_EFFECT_ANTIALIASING];
     why[DAFT_EFFECT_ANTIALIASING] = "pixels differ from their neighbours";
-    *edges = plan.preset->edge_samples ? "no pixel differs from its neighbours"
-                                       : "this quality takes as many samples of all pixels";
+    *edges = plan.quality->edge_samples ? "no pixel differs from its neighbours"
+                                        : "this quality takes as many samples of all pixels";
     return plan;
 }
 

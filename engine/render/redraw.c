@@ -199,13 +199,14 @@ static bool compare_materials(daft_kept *k, const daft_snapshot *s)
     return some;
 }
 
-static bool same_preset(const daft_preset *a, const daft_preset *b)
+/* `scale` and `upscale` are not the renderer's. */
+static bool same_quality(const daft_quality *a, const daft_quality *b)
 {
-    return a->samples == b->samples && a->edge_samples == b->edge_samples && a->mirror_depth == b->mirror_depth &&
+    return a->visibility == b->visibility && a->tree == b->tree && a->samples == b->samples &&
+           a->edge_samples == b->edge_samples && a->shadows == b->shadows && a->shadow_samples == b->shadow_samples &&
+           a->occlusion_samples == b->occlusion_samples && a->mirror_depth == b->mirror_depth &&
            a->refraction_depth == b->refraction_depth && a->min_weight == b->min_weight &&
-           a->shadow_samples == b->shadow_samples && a->occlusion_samples == b->occlusion_samples &&
-           a->glossy_samples == b->glossy_samples && a->denoise == b->denoise && a->shadows == b->shadows &&
-           a->reference == b->reference;
+           a->glossy_samples == b->glossy_samples && a->texture_filter == b->texture_filter && a->denoise == b->denoise;
 }
 
 static bool same_sky(const daft_sky *a, const daft_sky *b)
@@ -225,9 +226,8 @@ static bool same_view(const daft_snapshot *a, const daft_snapshot *b)
 /* What every tile may depend on. */
 static bool same_everywhere(const daft_snapshot *a, const daft_snapshot *b)
 {
-    return a->intersection == b->intersection && a->looks == b->looks && a->occlusion == b->occlusion &&
-           same_floats(&a->ambient.x, &b->ambient.x, 3) && a->light_count == b->light_count &&
-           same_sky(&a->sky, &b->sky) && same_preset(&a->preset, &b->preset);
+    return a->looks == b->looks && a->occlusion == b->occlusion && same_floats(&a->ambient.x, &b->ambient.x, 3) &&
+           a->light_count == b->light_count && same_sky(&a->sky, &b->sky) && same_quality(&a->quality, &b->quality);
 }
 
 static bool same_light(const daft_light_source *a, const daft_light_source *b)

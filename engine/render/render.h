@@ -15,24 +15,6 @@
 #include "image/image.h"
 #include "shade/shade.h"
 
-/* A quality is data: nothing else in the engine switches on its name. A view may replace single values. */
-typedef struct daft_preset {
-    const char *name;
-    int samples;           /* per pixel */
-    int edge_samples;      /* more of them where a pixel differs from its neighbours */
-    int mirror_depth;      /* mirror bounces followed; 0: none */
-    int refraction_depth;  /* surfaces that a path which passes through some may meet */
-    float min_weight;      /* mirrored and refracted rays that weigh less in the pixel in all colours are not cast */
-    int shadow_samples;    /* rays to a light that has a size; 0: its shadows are sharp */
-    int occlusion_samples; /* rays around a point, where the scene asks for ambient occlusion; 0: none */
-    int glossy_samples;    /* rays that a rough surface sends on where a pixel sees it; 0: none is rough */
-    bool denoise;          /* filters what is sampled */
-    bool shadows;
-    bool reference; /* camera rays alone through the BVH */
-} daft_preset;
-
-const daft_preset *daft_quality_preset(daft_quality quality);
-
 typedef struct daft_renderer daft_renderer; /* scratch memory that outlives a frame */
 
 /* What a series of pictures remembers of what was sampled (reuse.c): of each pixel the fraction that arrived, or what
@@ -59,11 +41,10 @@ typedef struct daft_kept daft_kept;
 
 typedef struct daft_snapshot {
     int width, height;
-    int first_row, row_count;     /* to be drawn: whole rows of tiles */
-    daft_vec3 right, up, forward; /* camera axes, unit, in frame space */
-    float focal;                  /* pixels: (width/2) / tan(fov/2) */
-    daft_preset preset; /* samples: 1, 4, 8 or 16. reference: camera rays one by one through the accelerator */
-    daft_intersection intersection;
+    int first_row, row_count;       /* to be drawn: whole rows of tiles */
+    daft_vec3 right, up, forward;   /* camera axes, unit, in frame space */
+    float focal;                    /* pixels: (width/2) / tan(fov/2) */
+    daft_quality quality;           /* of the drawn size: `scale` and `upscale` are the caller's */
     const daft_instance *instances; /* visible ones, in entity order */
     uint32_t instance_count;
     uint64_t revision; /* of these instances; no others had or will have it. 0: nothing is kept of them */

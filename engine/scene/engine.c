@@ -202,6 +202,7 @@ daft_scene *daft_scene_create(daft_engine *engine, daft_error *error)
     daft_slots_init(&scene->joint_slots);
     scene->ambient = daft_v3(0.2f, 0.2f, 0.2f);
     scene->camera = scene->camera_before = daft_default_camera();
+    scene->quality = daft_preset_quality(DAFT_PRESET_GAME);
     scene->gravity = daft_v3(0, -9.81f, 0);
     scene->moved_tick = UINT64_MAX;
     daft_arena_init(&scene->query.arena, scene->allocator);
@@ -222,6 +223,7 @@ void daft_scene_destroy(daft_scene *scene)
         if (scene->entity_slots.items[i].live) daft_release(allocator, scene->entities[i].geometries);
     daft_geometries_free(scene);
     daft_frames_free(scene);
+    daft_scaled_free(scene);
     daft_assets_free(scene);
     daft_sky_item_free(scene, scene->sky_item);
     daft_slots_free(&scene->entity_slots, allocator);

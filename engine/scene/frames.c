@@ -51,9 +51,9 @@ static bool still_valid(const daft_scene *scene, const daft_scene_frame *f, cons
 {
     daft_dvec3 origin = view->camera.position;
     bool still = f->still && scene->moved_tick != scene->tick;
-    return f->revision && f->revision == scene->revision && f->without == view->without && f->origin.x == origin.x &&
-           f->origin.y == origin.y && f->origin.z == origin.z &&
-           (still || (f->tick == scene->tick && f->alpha == view->alpha));
+    return f->revision && f->revision == scene->revision && f->without == view->without &&
+           f->kdtrees == daft_uses_kdtrees(scene, view) && f->origin.x == origin.x && f->origin.y == origin.y &&
+           f->origin.z == origin.z && (still || (f->tick == scene->tick && f->alpha == view->alpha));
 }
 
 static daft_scene_frame *frame_new(daft_scene *scene, daft_error *error)
@@ -104,8 +104,8 @@ static bool frame_place(daft_scene *scene, daft_scene_frame *f, const daft_view 
     if (still_valid(scene, f, view)) return true;
     f->revision = 0;
     daft_arena_reset(&f->instances);
-    if (!daft_snapshot_instances(scene, view->camera.position, view->alpha, &f->instances, &instances,
-                                 &s->instance_count, error))
+    if (!daft_snapshot_instances(scene, view->camera.position, view->alpha, daft_uses_kdtrees(scene, view),
+                                 &f->instances, &instances, &s->instance_count, error))
         return false;
     daft_surface *surfaces = daft_arena_alloc(&f->instances, assets->material_slots.count, sizeof *surfaces);
     daft_texture_data *textures = daft_arena_alloc(&f->instances, assets->texture_slots.count, sizeof *textures);
@@ -117,7 +117,7 @@ static bool frame_place(daft_scene *scene, daft_scene_frame *f, const daft_view 
     s->textures = textures, s->texture_count = assets->texture_slots.count;
     s->revision = ++scene->engine->revision;
     f->revision = scene->revision, f->tick = scene->tick, f->alpha = view->alpha, f->origin = view->camera.position;
-    f->without = view->without;
+    f->without = view->without, f->kdtrees = daft_uses_kdtrees(scene, view);
     f->still = scene->moved_tick != scene->tick;
     scene->counters.instance_updates++;
     return true;

@@ -82,6 +82,7 @@ typedef struct maker {
     daft_scene *scene;
     daft_dvec3 origin;
     float alpha;
+    bool kdtrees;
     daft_arena *arena;
     const daft_accel_kernels *kernels;
     /* Material indices. `numbers`: 0, 1, 2, …, shared by the instances with one slot, which saves each a cache line of
@@ -204,7 +205,7 @@ static void place_entity(const maker *m, uint32_t i)
     instance->mesh = shape ? &shape->mesh : NULL;
     instance->shape = shape ? shape->revision : 0;
     instance->bvh = shape ? shape->bvh : NULL;
-    instance->kdtree = shape ? shape->kdtree : NULL;
+    instance->kdtree = shape && m->kdtrees ? shape->kdtree : NULL;
     if (!shape) instance->radius = world_radius(&item->world, item->def.radius);
     instance->materials = materials_of(m, item, shape);
     instance->flags = flags_of(scene, item, instance);
@@ -228,6 +229,16 @@ static void warn_once(daft_scene *scene, daft_entity_item *item, uint32_t id)
                  "entity 0x%x is not drawn: its transform, with its parents', is singular or does not fit floats", id);
 }
 
+/* Those of the meshes that are shown. */
+static bool need_kdtrees(const maker *m, daft_error *error)
+{
+    for (uint32_t i = 0; i < m->count; i++) {
+        daft_mesh_item *shape = shape_of(m->scene, &m->scene->entities[m->entities[i]]);
+        if (shape && !daft_mesh_need_kdtree(m->scene, shape, error)) return false;
+    }
+    return true;
+}
+
 /* Keeps what fits. */
 static uint32_t sift(maker *m)
 {
@@ -241,10 +252,10 @@ static uint32_t sift(maker *m)
     return kept;
 }
 
-bool daft_snapshot_instances(daft_scene *scene, daft_dvec3 origin, float alpha, daft_arena *arena,
+bool daft_snapshot_instances(daft_scene *scene, daft_dvec3 origin, float alpha, bool kdtrees, daft_arena *arena,
                              daft_instance **instances, uint32_t *count, daft_error *error)
 {
-    maker m = {.scene = scene, .origin = origin, .alpha = alpha, .arena = arena};
+    maker m = {.scene = scene, .origin = origin, .alpha = alpha, .kdtrees = kdtrees, .arena = arena};
     *count = 0;
     if (!begin(&m)) return daft_fail_memory(error, "a snapshot's instances");
     scene->walk = ++scene->engine->revision;
@@ -253,6 +264,7 @@ bool daft_snapshot_instances(daft_scene *scene, daft_dvec3 origin, float alpha, 
         __builtin_prefetch(&ahead->def.shape), __builtin_prefetch(&ahead->parent);
         if (!list_entity(&m, i)) return daft_fail_memory(error, "a snapshot's materials");
     }
+    if (kdtrees && !need_kdtrees(&m, error)) return false;
     daft_parallel_for(m.count < FEW ? 1 : scene->engine->threads, (m.count + TASK - 1) / TASK, place_task, &m);
     *instances = m.instances;
     *count = sift(&m);

@@ -11,12 +11,7 @@ daft_view daft_default_view(void)
 
 static bool view_check(const daft_view *view, daft_error *error)
 {
-    if (!daft_check_pointer(error, "view", view) || !daft_struct_check(DAFT_STRUCT_VIEW, view, error)) return false;
-    int n = view->samples, more = view->edge_samples;
-    if (n != 0 && n != 1 && n != 4 && n != 8 && n != 16)
-        return daft_fail(error, DAFT_ERROR_ARGUMENT, "samples is %d; it must be 0 (the quality's), 1, 4, 8 or 16", n);
-    return more == -1 || more == 0 || more == 4 || more == 16 ||
-           daft_fail(error, DAFT_ERROR_ARGUMENT, "edge_samples is %d; it must be -1 (the quality's), 0, 4 or 16", more);
+    return daft_check_pointer(error, "view", view) && daft_struct_check(DAFT_STRUCT_VIEW, view, error);
 }
 
 static bool target_check(const daft_image *target, daft_error *error)
@@ -60,6 +55,7 @@ bool daft_render(daft_scene *scene, const daft_view *view, daft_image *target, d
     if (!daft_scene_ready(scene, error) || !view_check(view, error) || !target_check(target, error) ||
         !rows_check(view, target, error))
         return false;
+    if (view->quality.scale < 1) return daft_render_small(scene, view, target, error);
     daft_engine *engine = scene->engine;
     if (!engine->renderer)
         engine->renderer = daft_renderer_create(scene->allocator, engine->threads, engine->isa, error);

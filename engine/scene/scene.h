@@ -55,7 +55,7 @@ typedef struct daft_mesh_item {
     uint64_t hash;
     daft_trimesh mesh;
     daft_bvh *bvh;
-    daft_kdtree *kdtree; /* NULL: the engine's accelerator is the BVH */
+    daft_kdtree *kdtree; /* NULL: the engine's accelerator is the BVH, and no picture has asked for one */
     uint32_t *materials; /* index of each slot's material */
 } daft_mesh_item;
 
@@ -170,6 +170,7 @@ typedef struct daft_scene_frame {
     daft_counters counters; /* of the drawing */
     daft_arena lights, instances;
     uint32_t without; /* what the surfaces have been stripped of */
+    bool kdtrees;     /* whether the instances have them */
     /* The instances are kept for the next frame that sees the same: */
     uint64_t revision, tick; /* the scene's; revision 0: there are none */
     bool still;              /* nothing was between two ticks' poses; else it was drawn at: */
@@ -195,6 +196,10 @@ struct daft_scene {
     daft_slots entity_slots;
     daft_entity_item *entities;
     size_t entity_capacity;
+    daft_quality quality; /* that it asks for */
+    daft_image *small;    /* what is drawn at a scale below 1; NULL: nothing was */
+    void *scratch;        /* of enlarging it */
+    size_t scratch_size;
     uint64_t tick;       /* counts begin_tick */
     uint64_t moved_tick; /* the last in which an entity moved from one pose to another; none: UINT64_MAX */
     uint64_t revision;   /* the engine's, at the last change of what a frame or a ray could see */
@@ -421,7 +426,18 @@ bool daft_history_take(daft_history *history, const daft_scene *scene, const daf
 
 /* The instances of visible entities in entity order, in a frame around `origin`. Memory from the arena; textures and
  * surfaces are still the scene's. */
-bool daft_snapshot_instances(daft_scene *scene, daft_dvec3 origin, float alpha, daft_arena *arena,
+/* quality.c: the same as daft_render, for a scale below 1. The view has been checked. */
+bool daft_render_small(daft_scene *scene, const daft_view *view, daft_image *target, daft_error *error);
+void daft_scaled_free(daft_scene *scene);
+/* Builds the kd-tree of a mesh that has none. */
+bool daft_mesh_need_kdtree(daft_scene *scene, daft_mesh_item *item, daft_error *error);
+/* Whether a picture's rays go through kd-trees. */
+static inline bool daft_uses_kdtrees(const daft_scene *scene, const daft_view *view)
+{
+    return scene->engine->accel == DAFT_ACCEL_KDTREE || view->quality.tree == DAFT_TREE_KDTREE;
+}
+/* kdtrees: the instances have them; those that are missing are built. */
+bool daft_snapshot_instances(daft_scene *scene, daft_dvec3 origin, float alpha, bool kdtrees, daft_arena *arena,
                              daft_instance **instances, uint32_t *count, daft_error *error);
 /* Whether a point of the frame is one that kernels can work with. */
 bool daft_fits_kernels(daft_vec3 point);

@@ -51,24 +51,6 @@ static bool fill_lights(daft_scene *scene, const daft_view *view, daft_scene_fra
     return true;
 }
 
-/* The quality's preset, with the knobs that the view sets. */
-static daft_preset choose_preset(const daft_view *view)
-{
-    daft_preset preset = *daft_quality_preset(view->quality);
-    if (view->samples) preset.samples = view->samples, preset.edge_samples = 0;
-    if (view->edge_samples >= 0) preset.edge_samples = view->edge_samples;
-    if (view->mirror_depth >= 0) preset.mirror_depth = view->mirror_depth;
-    if (view->refraction_depth >= 0) preset.refraction_depth = view->refraction_depth;
-    if (view->min_weight >= 0) preset.min_weight = view->min_weight;
-    if (view->shadows >= 0) preset.shadows = view->shadows > 0;
-    if (view->shadow_samples >= 0) preset.shadow_samples = view->shadow_samples;
-    if (view->occlusion_samples >= 0) preset.occlusion_samples = view->occlusion_samples;
-    if (view->glossy_samples >= 0) preset.glossy_samples = view->glossy_samples;
-    if (view->denoise >= 0) preset.denoise = view->denoise > 0;
-    preset.reference |= view->reference;
-    return preset;
-}
-
 static daft_vec3 ambient_of(const daft_scene *scene, const daft_view *view)
 {
     if (view->without & DAFT_WITHOUT_SHADING) return (daft_vec3){1, 1, 1};
@@ -82,9 +64,8 @@ bool daft_snapshot_fill(daft_scene *scene, const daft_view *view, int width, int
     s->width = width, s->height = height;
     s->first_row = view->first_row, s->row_count = view->row_count ? view->row_count : height - view->first_row;
     s->focal = (float)(width / 2.0 / daft_tan((double)view->camera.fov / 2));
-    s->preset = choose_preset(view);
-    s->preset.reference |= scene->engine->accel == DAFT_ACCEL_KDTREE;
-    s->intersection = view->intersection;
+    s->quality = view->quality;
+    if (daft_uses_kdtrees(scene, view)) s->quality.tree = DAFT_TREE_KDTREE;
     s->ambient = ambient_of(scene, view);
     s->occlusion = view->without & DAFT_WITHOUT_SHADING ? 0 : scene->occlusion;
     s->sky = scene->sky;

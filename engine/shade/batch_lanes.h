@@ -6,7 +6,8 @@
 #include "math/simd/elementary.h"
 #include "shade/shade.h"
 
-bool DAFT_KERNEL(daft_albedo)(daft_batch *batch, const daft_surface *materials, const daft_texture_data *textures);
+bool DAFT_KERNEL(daft_albedo)(daft_batch *batch, const daft_surface *materials, const daft_texture_data *textures,
+                              daft_texture_filter filter);
 void DAFT_KERNEL(daft_sky_color)(const daft_sky *sky, const daft_lanes3 *direction, uint32_t count, daft_lanes3 *color);
 void DAFT_KERNEL(daft_encode)(const float *r, const float *g, const float *b, uint32_t count, uint8_t *rgba);
 void DAFT_KERNEL(daft_decode)(const uint8_t *rgba, uint32_t count, float *r, float *g, float *b);

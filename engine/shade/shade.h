@@ -97,8 +97,9 @@ typedef struct daft_batch {
 } daft_batch;
 
 typedef struct daft_shade_kernels {
-    /* albedo: white, or the texture's colour, trilinear in linear light. True if any point has a texture. */
-    bool (*albedo)(daft_batch *batch, const daft_surface *materials, const daft_texture_data *textures);
+    /* albedo: white, or the texture's colour, filtered in linear light. True if any point has a texture. */
+    bool (*albedo)(daft_batch *batch, const daft_surface *materials, const daft_texture_data *textures,
+                   daft_texture_filter filter);
     /* light = emission + ambient. */
     void (*ambient)(daft_batch *batch, const daft_surface *materials, daft_vec3 ambient);
     /* The least and the largest coordinates of the points, one at least. */

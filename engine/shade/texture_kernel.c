@@ -1,6 +1,6 @@
-/* Texture sampling: trilinear, repeating, filtered in linear light. The mip level is the log2 of the footprint's side
- * in texels (Williams, "Pyramidal Parametrics", 1983). Lanes are points: those of one texture that need one level of it
- * are sampled together, and neighbours mostly do. */
+/* Texture sampling: repeating, trilinear unless a cheaper filter is asked for, in linear light. The mip level is the
+ * log2 of the footprint's side in texels (Williams, "Pyramidal Parametrics", 1983). Lanes are points: those of one
+ * texture that need one level of it are sampled together, and neighbours mostly do. */
 #include "shade/batch_lanes.h"
 
 #include "shade/srgb_table.h"
@@ -44,10 +44,14 @@ DAFT_INLINE texture_taps texture_place(const texture_points *p, int width, int h
 
 DAFT_INLINE vf decode(vi texel, int channel) { return vf_table_lookup256(SRGB_TO_LINEAR, texel >> (8 * channel)); }
 
+/* The nearest of two texels has all the weight. */
+DAFT_INLINE vf step_at_half(vf a) { return vf_if_then_else(vf_lt(a, vf_set(0.5f)), vf_set(0), vf_set(1)); }
+
 /* Adds one level to the colour of the lanes in `some`. */
-static void add_level(const daft_texture_data *t, int level, vm some, vf weight, texture_points *p)
+static void add_level(const daft_texture_data *t, int level, vm some, vf weight, bool nearest, texture_points *p)
 {
-    const texture_taps at = texture_place(p, t->width[level], t->height[level], some);
+    texture_taps at = texture_place(p, t->width[level], t->height[level], some);
+    if (nearest) at.across = step_at_half(at.across), at.down = step_at_half(at.down);
     const uint8_t *texels = t->texels[level];
     const vi a = vi_gather_index(texels, at.above_left), b = vi_gather_index(texels, at.above_right),
              c = vi_gather_index(texels, at.below_left), d = vi_gather_index(texels, at.below_right);
@@ -63,10 +67,11 @@ static void add_level(const daft_texture_data *t, int level, vm some, vf weight,
 
 /* Two levels blend in the middle half of the interval between them; in the outer quarters one level serves, which
  * halves the fetches and is not seen. */
-DAFT_INLINE void choose_levels(const daft_texture_data *t, vf level, texture_points *p)
+DAFT_INLINE void choose_levels(const daft_texture_data *t, vf level, daft_texture_filter filter, texture_points *p)
 {
     const vf zero = vf_set(0), one = vf_set(1);
-    level = vf_min(vf_max(level, zero), vf_set((float)(t->levels - 1)));
+    level = vf_min(vf_max(level, zero), vf_set(filter >= DAFT_TEXTURE_BILINEAR ? 0 : (float)(t->levels - 1)));
+    if (filter == DAFT_TEXTURE_MIPMAP) level = vf_floor(level + vf_set(0.5f));
     vi fine = vi_convert_to(level);
     vf blend = (level - vf_convert_to(fine)) * vf_set(2) - vf_set(0.5f);
     vm next = vf_le(one, blend);
@@ -75,17 +80,17 @@ DAFT_INLINE void choose_levels(const daft_texture_data *t, vf level, texture_poi
 }
 
 /* The colour of the lanes in `some`, which all have this texture. */
-DAFT_INLINE void sample(const daft_texture_data *t, vf level, vbits some, texture_points *p)
+DAFT_INLINE void sample(const daft_texture_data *t, vf level, daft_texture_filter filter, vbits some, texture_points *p)
 {
     const vf zero = vf_set(0);
-    choose_levels(t, level, p);
+    choose_levels(t, level, filter, p);
     vbits fine = some, coarse = some & vbits_from_mask(vf_lt(zero, p->blend));
     while (fine | coarse) {
         const int lane = __builtin_ctz(fine | coarse), now = p->fine[lane] + (fine >> lane & 1 ? 0 : 1);
         const vbits in_fine = fine & vbits_from_mask(vi_eq(p->fine, vi_set(now))),
                     in_coarse = coarse & vbits_from_mask(vi_eq(p->fine, vi_set(now - 1)));
         const vf weight = vf_if_then_else(vm_from_bits(in_fine), vf_set(1) - p->blend, p->blend);
-        add_level(t, now, vm_from_bits(in_fine | in_coarse), weight, p);
+        add_level(t, now, vm_from_bits(in_fine | in_coarse), weight, filter == DAFT_TEXTURE_NEAREST, p);
         fine &= ~in_fine, coarse &= ~in_coarse;
     }
 }
@@ -99,7 +104,7 @@ DAFT_INLINE vf fraction(vf a)
 
 /* False: no point has a texture. */
 static bool sample_lanes(daft_batch *batch, const daft_surface *materials, const daft_texture_data *textures,
-                         uint32_t i)
+                         daft_texture_filter filter, uint32_t i)
 {
     const material_reader m = read_materials(batch, materials, i);
     const vi texture = (vi)MATERIAL_WORD(&m, texture);
@@ -116,7 +121,7 @@ static bool sample_lanes(daft_batch *batch, const daft_surface *materials, const
         const vf size = vf_set(sqrtf((float)t->width[0] * (float)t->height[0])); /* its side in texels */
         texture_points p = {.u = fraction(vf_load(&batch->u[i]) * su), .v = fraction(vf_load(&batch->v[i]) * sv)};
         p.color = (vf3){vf_set(0), vf_set(0), vf_set(0)};
-        sample(t, vf_log2(vf_max(scale * size, vf_set(1e-20f))), same, &p);
+        sample(t, vf_log2(vf_max(scale * size, vf_set(1e-20f))), filter, same, &p);
         const vm mask = vm_from_bits(same);
         albedo = (vf3){vf_if_then_else(mask, p.color.x, albedo.x), vf_if_then_else(mask, p.color.y, albedo.y),
                        vf_if_then_else(mask, p.color.z, albedo.z)};
@@ -126,12 +131,13 @@ static bool sample_lanes(daft_batch *batch, const daft_surface *materials, const
     return true;
 }
 
-bool DAFT_KERNEL(daft_albedo)(daft_batch *batch, const daft_surface *materials, const daft_texture_data *textures)
+bool DAFT_KERNEL(daft_albedo)(daft_batch *batch, const daft_surface *materials, const daft_texture_data *textures,
+                              daft_texture_filter filter)
 {
     bool any = false;
     vf one = vf_set(1);
     for (uint32_t i = 0; i < batch->count; i += DAFT_VL) {
-        if (sample_lanes(batch, materials, textures, i))
+        if (sample_lanes(batch, materials, textures, filter, i))
             any = true;
         else
             lanes_store(&batch->albedo, i, (vf3){one, one, one});

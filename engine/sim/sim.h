@@ -41,6 +41,8 @@ void daft_world_set_substeps(daft_world *world, int substeps);
 /* Workers (1 to 64, default 1) and instruction set (daft_isa_parse; default the best). Neither changes a bit. */
 void daft_world_set_workers(daft_world *world, int workers, int isa);
 void daft_world_set_sleeping(daft_world *world, bool allowed); /* default true */
+/* measure.c: see daft.h. */
+daft_sim_measure daft_world_measure(const daft_world *world);
 
 /* ---- shapes of bodies ---- */
 

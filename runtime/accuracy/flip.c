@@ -25,16 +25,24 @@ typedef struct flip_filters {
     flip_filter bell, edge, point;
 } flip_filters;
 
+struct flip_picture {
+    int width, height;
+    size_t pixels;
+    float *lab[3]; /* as the eye sees them at the distance */
+    float *edges, *points;
+    float planes[]; /* the five above */
+};
+
+/* What is needed while a picture is prepared. */
 typedef struct flip_work {
     int width, height;
     size_t pixels;
     float *opponent[3]; /* Y, Cx, Cz */
-    float *lab[2][3];   /* of the picture and of its reference */
-    float *edges[2], *points[2];
     float *temp, *temp2;
+    float *row; /* with its border on both sides */
 } flip_work;
 
-enum { WORK_PLANES = 3 + 6 + 4 + 2 };
+enum { PICTURE_PLANES = 5, WORK_PLANES = 5 };
 
 /* ---- colour ------------------------------------------------------------------------------------------------------ */
 
@@ -146,12 +154,14 @@ static int clamp_to(int i, int count) { return i < 0 ? 0 : i >= count ? count - 
 
 static void filter_rows(const flip_work *w, const flip_filter *f, const float *in, float *out)
 {
+    memset(out, 0, w->pixels * sizeof *out);
     for (int y = 0; y < w->height; y++) {
-        const float *row = in + (size_t)y * (size_t)w->width;
-        for (int x = 0; x < w->width; x++) {
-            float sum = 0;
-            for (int i = -f->radius; i <= f->radius; i++) sum += f->tap[i + f->radius] * row[clamp_to(x + i, w->width)];
-            out[(size_t)y * (size_t)w->width + (size_t)x] = sum;
+        const float *from = in + (size_t)y * (size_t)w->width;
+        float *to = out + (size_t)y * (size_t)w->width;
+        for (int x = -f->radius; x < w->width + f->radius; x++) w->row[x + f->radius] = from[clamp_to(x, w->width)];
+        for (int i = 0; i <= 2 * f->radius; i++) {
+            const float *at = w->row + i, tap = f->tap[i];
+            for (int x = 0; x < w->width; x++) to[x] += tap * at[x];
         }
     }
 }
@@ -196,12 +206,12 @@ static void find_feature(const flip_work *w, const flip_filters *f, const flip_f
     for (size_t i = 0; i < w->pixels; i++) out[i] = hypotf(out[i], w->temp2[i]);
 }
 
-static void find_features(const flip_work *w, const flip_filters *f, int which)
+static void find_features(const flip_work *w, const flip_filters *f, flip_picture *out)
 {
-    float *luma = w->lab[which][0]; /* free until the colours are ready */
+    float *luma = out->lab[0]; /* free until the colours are ready */
     for (size_t i = 0; i < w->pixels; i++) luma[i] = (w->opponent[0][i] + 16) / 116;
-    find_feature(w, f, &f->edge, luma, w->edges[which]);
-    find_feature(w, f, &f->point, luma, w->points[which]);
+    find_feature(w, f, &f->edge, luma, out->edges);
+    find_feature(w, f, &f->point, luma, out->points);
 }
 
 static void find_colours(const flip_work *w, const flip_filters *f, float *const lab[3])
@@ -218,12 +228,49 @@ static void find_colours(const flip_work *w, const flip_filters *f, float *const
     }
 }
 
-static void see(flip_work *w, const flip_filters *f, const uint8_t *rgba, int which)
+static void give_planes(flip_picture *p)
 {
-    load_opponent(w, rgba);
-    find_features(w, f, which);
-    find_colours(w, f, w->lab[which]);
+    float **all[PICTURE_PLANES] = {&p->lab[0], &p->lab[1], &p->lab[2], &p->edges, &p->points};
+    for (size_t i = 0; i < PICTURE_PLANES; i++) *all[i] = p->planes + i * p->pixels;
 }
+
+static bool begin_work(flip_work *w, int width, int height)
+{
+    *w = (flip_work){.width = width, .height = height, .pixels = (size_t)width * (size_t)height};
+    float *planes = calloc(w->pixels * WORK_PLANES + (size_t)width + TAPS, sizeof *planes);
+    if (!planes) return false;
+    float **all[WORK_PLANES] = {&w->opponent[0], &w->opponent[1], &w->opponent[2], &w->temp, &w->temp2};
+    for (size_t i = 0; i < WORK_PLANES; i++) *all[i] = planes + i * w->pixels;
+    w->row = planes + WORK_PLANES * w->pixels;
+    return true;
+}
+
+flip_picture *flip_prepare(const uint8_t *rgba, int width, int height, double ppd, daft_error *error)
+{
+    flip_work w;
+    flip_filters filters;
+    if (!(ppd >= 1 && ppd <= 400)) {
+        fail(error, DAFT_ERROR_ARGUMENT, "pixels per degree: 1 to 400 expected");
+        return NULL;
+    }
+    const size_t pixels = (size_t)width * (size_t)height;
+    flip_picture *p = malloc(sizeof *p + pixels * PICTURE_PLANES * sizeof(float));
+    if (!p || !begin_work(&w, width, height)) {
+        free(p);
+        fail(error, DAFT_ERROR_MEMORY, "out of memory to compare pictures");
+        return NULL;
+    }
+    p->width = width, p->height = height, p->pixels = pixels;
+    give_planes(p);
+    make_filters(&filters, ppd);
+    load_opponent(&w, rgba);
+    find_features(&w, &filters, p);
+    find_colours(&w, &filters, p->lab);
+    free(w.opponent[0]);
+    return p;
+}
+
+void flip_free(flip_picture *picture) { free(picture); }
 
 /* ---- the difference ---------------------------------------------------------------------------------------------- */
 
@@ -236,46 +283,38 @@ static double spread_colour(double distance, double largest)
     return top + (power - knee * largest) / (largest - knee * largest) * (1 - top);
 }
 
-static double feature_difference(const flip_work *w, size_t i)
+static double feature_difference(const flip_picture *a, const flip_picture *b, size_t i)
 {
-    double edge = fabs((double)w->edges[0][i] - (double)w->edges[1][i]);
-    double point = fabs((double)w->points[0][i] - (double)w->points[1][i]);
+    double edge = fabs((double)a->edges[i] - (double)b->edges[i]);
+    double point = fabs((double)a->points[i] - (double)b->points[i]);
     return unit(sqrt(fmax(edge, point) / M_SQRT2));
 }
 
-static void fill_map(const flip_work *w, float *map)
+static triple colour_of(const flip_picture *p, size_t i)
 {
-    double largest = pow(hyab(to_lab_hunt((triple){0, 1, 0}), to_lab_hunt((triple){0, 0, 1})), 0.7);
-    for (size_t i = 0; i < w->pixels; i++) {
-        triple c[2];
-        for (int k = 0; k < 2; k++)
-            c[k] = (triple){(double)w->lab[k][0][i], (double)w->lab[k][1][i], (double)w->lab[k][2][i]};
-        double colour = spread_colour(hyab(c[0], c[1]), largest);
-        map[i] = (float)pow(colour, 1 - feature_difference(w, i));
-    }
+    return (triple){(double)p->lab[0][i], (double)p->lab[1][i], (double)p->lab[2][i]};
 }
 
-static void give_planes(flip_work *w, float *planes)
+double flip_compare(const flip_picture *a, const flip_picture *b, float *map)
 {
-    float **all[WORK_PLANES] = {&w->opponent[0], &w->opponent[1], &w->opponent[2], &w->lab[0][0], &w->lab[0][1],
-                                &w->lab[0][2],   &w->lab[1][0],   &w->lab[1][1],   &w->lab[1][2], &w->edges[0],
-                                &w->edges[1],    &w->points[0],   &w->points[1],   &w->temp,      &w->temp2};
-    for (size_t i = 0; i < WORK_PLANES; i++) *all[i] = planes + i * w->pixels;
+    const double largest = pow(hyab(to_lab_hunt((triple){0, 1, 0}), to_lab_hunt((triple){0, 0, 1})), 0.7);
+    double sum = 0;
+    for (size_t i = 0; i < a->pixels; i++) {
+        const double colour = spread_colour(hyab(colour_of(a, i), colour_of(b, i)), largest);
+        const float flip = colour > 0 ? (float)pow(colour, 1 - feature_difference(a, b, i)) : 0;
+        if (map) map[i] = flip;
+        sum += (double)flip;
+    }
+    return sum / (double)a->pixels;
 }
 
 bool metrics_flip(const uint8_t *picture, const uint8_t *reference, int width, int height, double ppd, float *map,
                   daft_error *error)
 {
-    flip_work w = {.width = width, .height = height, .pixels = (size_t)width * (size_t)height};
-    flip_filters filters;
-    if (!(ppd >= 1 && ppd <= 400)) return fail(error, DAFT_ERROR_ARGUMENT, "pixels per degree: 1 to 400 expected");
-    float *planes = calloc(w.pixels, WORK_PLANES * sizeof *planes);
-    if (!planes) return fail(error, DAFT_ERROR_MEMORY, "out of memory to compare pictures");
-    give_planes(&w, planes);
-    make_filters(&filters, ppd);
-    see(&w, &filters, picture, 0);
-    see(&w, &filters, reference, 1);
-    fill_map(&w, map);
-    free(planes);
-    return true;
+    flip_picture *a = flip_prepare(picture, width, height, ppd, error);
+    flip_picture *b = a ? flip_prepare(reference, width, height, ppd, error) : NULL;
+    if (b) flip_compare(a, b, map);
+    flip_free(a);
+    flip_free(b);
+    return b != NULL;
 }

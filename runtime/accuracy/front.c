@@ -17,13 +17,34 @@ static double spread_of(const double *sorted, int count)
     return (sorted[count * 3 / 4] - sorted[count / 4]) / 2;
 }
 
-static void summarise(sweep_point *p)
+static double median_of(const sweep_measure *m, double *spread)
 {
     double sorted[SWEEP_ROUNDS];
-    memcpy(sorted, p->times, sizeof sorted);
-    qsort(sorted, (size_t)p->rounds, sizeof *sorted, compare_times);
-    p->ms = (sorted[(p->rounds - 1) / 2] + sorted[p->rounds / 2]) / 2;
-    p->spread = spread_of(sorted, p->rounds);
+    memcpy(sorted, m->times, sizeof sorted);
+    qsort(sorted, (size_t)m->rounds, sizeof *sorted, compare_times);
+    *spread = spread_of(sorted, m->rounds);
+    return (sorted[(m->rounds - 1) / 2] + sorted[m->rounds / 2]) / 2;
+}
+
+/* Means over the moments; of the tiles the worst. */
+static void summarise(sweep_point *p, int moments)
+{
+    picture_errors *e = &p->errors;
+    double squares = 0;
+    p->ms = p->spread = p->temporal = p->half_flip[0] = p->half_flip[1] = 0, p->picture = 0;
+    *e = (picture_errors){0};
+    for (int i = 0; i < moments; i++) {
+        const sweep_measure *m = &p->at[i];
+        double spread;
+        p->ms += median_of(m, &spread) / moments, p->spread += spread / moments;
+        squares += m->errors.rmse * m->errors.rmse / moments;
+        e->ssim += m->errors.ssim / moments, e->flip += m->errors.flip / moments;
+        e->worst = fmax(e->worst, m->errors.worst);
+        for (int k = 0; k < 2; k++) p->half_flip[k] += m->half_flip[k] / moments;
+        p->temporal += m->temporal / moments;
+        p->picture = daft_hash(&m->picture, sizeof m->picture, p->picture);
+    }
+    e->rmse = sqrt(squares), e->psnr = metrics_psnr(e->rmse);
 }
 
 bool sweep_equal_times(const sweep_point *a, const sweep_point *b)
@@ -57,7 +78,7 @@ static void find_same(sweep_result *s, size_t i)
 void sweep_judge(sweep_result *s)
 {
     for (size_t i = 0; i < s->count; i++) {
-        summarise(&s->points[i]);
+        summarise(&s->points[i], s->moments);
         s->points[i].same_as = s->points[i].beaten_by = -1;
     }
     for (size_t i = 0; i < s->count; i++) find_same(s, i);

@@ -112,24 +112,12 @@ static double mean_of(const float *map, int width, int height)
     return sum / ((double)width * height);
 }
 
-bool metrics_mean_flip(const uint8_t *picture, const uint8_t *reference, int width, int height, double *out,
-                       daft_error *error)
+double metrics_worst_tile(const float *map, int width, int height)
 {
-    float *map = malloc((size_t)width * (size_t)height * sizeof *map);
-    if (!map) return fail(error, DAFT_ERROR_MEMORY, "out of memory to compare pictures");
-    bool good = metrics_flip(picture, reference, width, height, METRICS_PPD, map, error);
-    if (good) *out = mean_of(map, width, height);
-    free(map);
-    return good;
-}
-
-static void summarise(const float *map, int width, int height, picture_errors *out)
-{
-    out->flip = mean_of(map, width, height);
-    out->worst = 0;
+    double worst = 0;
     for (int y = 0; y < height; y += METRICS_TILE)
-        for (int x = 0; x < width; x += METRICS_TILE)
-            out->worst = fmax(out->worst, tile_mean(map, width, height, x, y));
+        for (int x = 0; x < width; x += METRICS_TILE) worst = fmax(worst, tile_mean(map, width, height, x, y));
+    return worst;
 }
 
 bool metrics_compare(const uint8_t *picture, const uint8_t *reference, int width, int height, float *map,
@@ -142,7 +130,7 @@ bool metrics_compare(const uint8_t *picture, const uint8_t *reference, int width
     out->psnr = metrics_psnr(out->rmse);
     bool good = metrics_ssim(picture, reference, width, height, &out->ssim, error) &&
                 metrics_flip(picture, reference, width, height, METRICS_PPD, flip, error);
-    if (good) summarise(flip, width, height, out);
+    if (good) out->flip = mean_of(flip, width, height), out->worst = metrics_worst_tile(flip, width, height);
     free(own);
     return good;
 }

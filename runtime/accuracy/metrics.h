@@ -1,6 +1,6 @@
 /* accuracy: what accuracy costs. How far a picture is from its reference.
  * Promises: the errors are those of the published definitions, tested against other implementations of them.
- * Public headers: metrics.h knobs.h sweep.h report.h */
+ * Public headers: metrics.h knobs.h sweep.h report.h sim.h Inner headers: plot.h */
 #ifndef RUNTIME_ACCURACY_METRICS_H
 #define RUNTIME_ACCURACY_METRICS_H
 
@@ -34,9 +34,14 @@ bool metrics_ssim(const uint8_t *a, const uint8_t *b, int width, int height, dou
 /* Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström, Fairchild 2020: FLIP. Fills map; the error is its mean. */
 bool metrics_flip(const uint8_t *picture, const uint8_t *reference, int width, int height, double ppd, float *map,
                   daft_error *error);
-/* The mean alone, at METRICS_PPD. */
-bool metrics_mean_flip(const uint8_t *picture, const uint8_t *reference, int width, int height, double *out,
-                       daft_error *error);
+/* The same in two steps, for a picture that is compared with several. NULL: see the error. */
+typedef struct flip_picture flip_picture;
+flip_picture *flip_prepare(const uint8_t *rgba, int width, int height, double ppd, daft_error *error);
+void flip_free(flip_picture *picture); /* NULL is fine */
+/* Two pictures of one size. Fills map, unless it is NULL, and returns its mean. */
+double flip_compare(const flip_picture *a, const flip_picture *b, float *map);
+/* The largest mean of a METRICS_TILE × METRICS_TILE tile of a map. */
+double metrics_worst_tile(const float *map, int width, int height);
 
 /* Bytes of sRGB to linear light, 0 to 1, and the nearest byte of linear light. */
 double metrics_to_linear(uint8_t encoded);

@@ -1,4 +1,5 @@
 /* index.html: one page that needs nothing else: plots as SVG, pictures as data. */
+#include "accuracy/plot.h"
 #include "accuracy/report.h"
 
 #include "common/util.h"
@@ -8,188 +9,99 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { PLOT_WIDTH = 520, PLOT_HEIGHT = 300, LEFT = 56, BOTTOM = 40, TOP = 14, RIGHT = 16, SHOWN = 6 };
-
-static const char HEAD[] =
-    "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>What accuracy costs</title>\n"
-    "<style>body{font:15px/1.45 system-ui,sans-serif;max-width:1120px;margin:2em auto;padding:0 1em;color:#222}"
-    "table{border-collapse:collapse;font-size:13px}td,th{padding:2px 9px;text-align:right;border-bottom:1px solid #ddd}"
-    "td:last-child,th:last-child{text-align:left}tr.front{font-weight:600}tr.beaten{color:#888}"
-    ".plots{display:flex;flex-wrap:wrap;gap:12px}figure{margin:0;max-width:520px}figcaption{font-weight:600}"
-    ".pair{position:relative;display:inline-block;line-height:0}.pair img{max-width:100%}"
-    ".pair img+img{position:absolute;left:0;top:0;clip-path:inset(0 0 0 50%)}"
-    "input[type=range]{display:block;width:100%;max-width:640px}svg{background:#fff}svg text{font:11px "
-    "system-ui,sans-serif}"
-    "code{background:#f3f3f3;padding:2px 5px;overflow-wrap:anywhere}.advice{font-size:18px}"
-    "@media(prefers-color-scheme:dark){body{background:#161616;color:#ddd}svg{background:#fff}code{background:#2a2a2a}"
-    "td,th{border-color:#3a3a3a}}</style></head><body>\n";
-
-static const char TAIL[] =
-    "<script>for(const r of document.querySelectorAll('input[type=range]'))r.oninput=()=>"
-    "r.previousElementSibling.lastElementChild.style.clipPath='inset(0 0 0 '+r.value+'%)';</script></body></html>\n";
-
-static void put_html(FILE *out, const char *text)
-{
-    for (; *text; text++) {
-        if (*text == '<' || *text == '>' || *text == '&' || *text == '"')
-            fprintf(out, "&#%d;", *text);
-        else
-            fputc(*text, out);
-    }
-}
+enum { SHOWN = 6, LABEL = 28 };
 
 /* ---- plots ------------------------------------------------------------------------------------------------------- */
 
-/* Both axes are logarithmic; an error of zero lies on the bottom line. */
-typedef struct plot_axes {
-    double x0, x1, y0, y1; /* logarithms to the base 10 */
-} plot_axes;
-
-static double place_x(const plot_axes *a, double ms)
-{
-    return LEFT + (log10(ms) - a->x0) / (a->x1 - a->x0) * (PLOT_WIDTH - LEFT - RIGHT);
-}
-
-static double place_y(const plot_axes *a, double error)
-{
-    double t = error > 0 ? (log10(error) - a->y0) / (a->y1 - a->y0) : 0;
-    return PLOT_HEIGHT - BOTTOM - fmin(fmax(t, 0), 1) * (PLOT_HEIGHT - BOTTOM - TOP);
-}
-
-static plot_axes make_axes(const report_def *def)
+static plot make_plot(FILE *out, const report_def *def)
 {
     const sweep_result *s = def->sweep;
-    plot_axes a = {INFINITY, -INFINITY, 0, -INFINITY};
-    double least = s->floor.flip > 0 ? s->floor.flip : 1;
-    for (size_t i = 0; i < s->count; i++) {
-        const sweep_point *p = &s->points[i];
-        double ms = log10(fmax(p->ms, 1e-4));
-        a.x0 = fmin(a.x0, ms), a.x1 = fmax(a.x1, ms);
-        if (p->errors.flip <= 0) continue;
-        least = fmin(least, p->errors.flip);
-        a.y1 = fmax(a.y1, log10(p->errors.flip));
+    plot p = {.out = out, .x_name = "milliseconds a picture", .y_name = "mean FLIP", .x0 = 1};
+    for (size_t i = 0; i < s->count; i++) plot_fit(&p, s->points[i].ms, s->points[i].errors.flip);
+    plot_fit(&p, s->points[0].ms, s->floor.flip);
+    p.x1 = fmax(p.x1, log10(def->budget_ms));
+    plot_widen(&p);
+    return p;
+}
+
+static void put_lines(const report_def *def, const plot *p)
+{
+    plot_limit(p, def->budget_ms, "ms");
+    plot_floor(p, def->sweep->floor.flip, "floor of the reference");
+}
+
+/* "samples=4,edge_samples=0" is 4, 0 beside its dot. */
+static void make_label(const sweep_point *p, char out[LABEL])
+{
+    size_t used = 0;
+    for (const char *at = p->setting; *at && used + 1 < LABEL;) {
+        const size_t length = strcspn(at, ",");
+        const char *equals = memchr(at, '=', length), *value = equals ? equals + 1 : at;
+        used +=
+            (size_t)snprintf(out + used, LABEL - used, "%s%.*s", used ? " " : "", (int)(at + length - value), value);
+        at += length + (at[length] == ',');
     }
-    a.x0 -= 0.1, a.x1 = fmax(a.x1, log10(def->budget_ms)) + 0.1;
-    a.y0 = log10(least) - 0.15;
-    a.y1 = fmax(a.y1, a.y0 + 0.1) + 0.1;
-    return a;
 }
 
-static void put_grid(FILE *out, const plot_axes *a)
+static void put_dot(const plot *p, const sweep_point *point, const char *color, bool named)
 {
-    static const double steps[] = {1, 2, 5};
-    for (int e = -6; e < 6; e++) {
-        for (size_t i = 0; i < COUNT_OF(steps); i++) {
-            double v = steps[i] * pow(10, e), l = log10(v), x = place_x(a, v), y = place_y(a, v);
-            if (l >= a->x0 && l <= a->x1)
-                fprintf(out,
-                        "<path d=\"M%.1f %d V%d\" stroke=\"#eee\"/><text x=\"%.1f\" y=\"%d\" text-anchor=\"middle\">%g"
-                        "</text>",
-                        x, TOP, PLOT_HEIGHT - BOTTOM, x, PLOT_HEIGHT - BOTTOM + 14, v);
-            if (l >= a->y0 && l <= a->y1)
-                fprintf(
-                    out,
-                    "<path d=\"M%d %.1f H%d\" stroke=\"#eee\"/><text x=\"%d\" y=\"%.1f\" text-anchor=\"end\">%g</text>",
-                    LEFT, y, PLOT_WIDTH - RIGHT, LEFT - 5, y + 4, v);
-        }
-    }
-    fprintf(out, "<text x=\"%d\" y=\"%d\" text-anchor=\"middle\">milliseconds a picture</text>", PLOT_WIDTH / 2,
-            PLOT_HEIGHT - 8);
-    fprintf(out, "<text transform=\"translate(13 %d) rotate(-90)\" text-anchor=\"middle\">mean FLIP</text>",
-            PLOT_HEIGHT / 2);
+    char title[SETTING_TEXT + 64], label[LABEL] = "";
+    snprintf(title, sizeof title, "%s: %.2f ms, FLIP %.4f", point->setting, point->ms, point->errors.flip);
+    make_label(point, label);
+    plot_dot(p, point->ms, point->spread, point->errors.flip, color, title, named ? label : NULL);
 }
 
-static void put_lines(FILE *out, const report_def *def, const plot_axes *a)
-{
-    double x = place_x(a, def->budget_ms), y = place_y(a, def->sweep->floor.flip);
-    if (log10(def->budget_ms) > a->x0)
-        fprintf(out,
-                "<path d=\"M%.1f %d V%d\" stroke=\"#d33\" stroke-dasharray=\"4 3\"/><text x=\"%.1f\" y=\"%d\" "
-                "fill=\"#d33\">%g ms</text>",
-                x, TOP, PLOT_HEIGHT - BOTTOM, x + 3, TOP + 10, def->budget_ms);
-    fprintf(out,
-            "<path d=\"M%d %.1f H%d\" stroke=\"#777\" stroke-dasharray=\"2 3\"/><text x=\"%d\" y=\"%.1f\" "
-            "fill=\"#777\" text-anchor=\"end\">floor of the reference</text>",
-            LEFT, y, PLOT_WIDTH - RIGHT, PLOT_WIDTH - RIGHT, y - 4);
-}
-
-static void put_dot(FILE *out, const plot_axes *a, const sweep_point *p, const char *color, bool name)
-{
-    double x = place_x(a, p->ms), y = place_y(a, p->errors.flip), half = p->spread;
-    fprintf(out, "<path d=\"M%.1f %.1f H%.1f\" stroke=\"%s\"/>", place_x(a, fmax(p->ms - half, 1e-4)), y,
-            place_x(a, p->ms + half), color);
-    fprintf(out, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"%.1f\" fill=\"%s\"><title>", x, y, name ? 4.0 : 3.0, color);
-    put_html(out, p->setting);
-    fprintf(out, ": %.2f ms, FLIP %.4f</title></circle>", p->ms, p->errors.flip);
-    if (!name) return;
-    const char *equals = strchr(p->setting, '=');
-    bool right = x > PLOT_WIDTH - 110;
-    fprintf(out, "<text x=\"%.1f\" y=\"%.1f\"%s>", right ? x - 6 : x + 6, y - 5, right ? " text-anchor=\"end\"" : "");
-    put_html(out, equals ? equals + 1 : p->setting);
-    fprintf(out, "</text>");
-}
-
-static void begin_plot(FILE *out, const char *title, const char *doc)
-{
-    fprintf(out, "<figure><figcaption>%s</figcaption>%s<br><svg width=\"%d\" height=\"%d\">", title, doc, PLOT_WIDTH,
-            PLOT_HEIGHT);
-}
-
-static void put_knob_plot(FILE *out, const report_def *def, const plot_axes *a, const char *name, const char *doc)
+static void put_knob_plot(const plot *p, const report_def *def, const char *name, const char *doc)
 {
     const sweep_result *s = def->sweep;
-    double named_x = -100, named_y = -100;
-    begin_plot(out, name, doc);
-    put_grid(out, a);
-    put_lines(out, def, a);
-    fprintf(out, "<polyline fill=\"none\" stroke=\"#27c\" points=\"");
+    const sweep_point *last = NULL;
+    plot_begin(p, name, doc);
+    put_lines(def, p);
+    plot_curve_begin(p, "#27c");
     for (size_t i = 0; i < s->count; i++)
-        if (strcmp(s->points[i].knob, name) == 0)
-            fprintf(out, "%.1f,%.1f ", place_x(a, s->points[i].ms), place_y(a, s->points[i].errors.flip));
-    fprintf(out, "\"/>");
+        if (strcmp(s->points[i].knob, name) == 0) plot_curve_to(p, s->points[i].ms, s->points[i].errors.flip);
+    plot_curve_end(p);
     for (size_t i = 0; i < s->count; i++) {
-        const sweep_point *p = &s->points[i];
-        if (strcmp(p->knob, name) != 0) continue;
-        double x = place_x(a, p->ms), y = place_y(a, p->errors.flip);
-        bool apart = fabs(x - named_x) > 24 || fabs(y - named_y) > 12; /* pixels that a name needs */
-        if (apart) named_x = x, named_y = y;
-        put_dot(out, a, p, "#27c", apart);
+        const sweep_point *q = &s->points[i];
+        if (strcmp(q->knob, name) != 0) continue;
+        const bool apart = !last || !plot_too_near(p, q->ms, q->errors.flip, last->ms, last->errors.flip);
+        if (apart) last = q;
+        put_dot(p, q, "#27c", apart);
     }
-    fprintf(out, "</svg></figure>\n");
+    plot_end(p, def->command);
 }
 
-static void put_front_plot(FILE *out, const report_def *def, const plot_axes *a)
+static void put_front_plot(const plot *p, const report_def *def)
 {
     const sweep_result *s = def->sweep;
     size_t order[SWEEP_POINTS];
     report_sort(s, order);
-    begin_plot(out, "All settings",
+    plot_begin(p, "All settings",
                "Orange: no other setting beats it. Grey: another is faster or closer, and not worse.");
-    put_grid(out, a);
-    put_lines(out, def, a);
+    put_lines(def, p);
     for (size_t i = 0; i < s->count; i++)
-        if (!s->points[i].on_front) put_dot(out, a, &s->points[i], "#bbb", false);
-    fprintf(out, "<polyline fill=\"none\" stroke=\"#e70\" points=\"");
+        if (!s->points[i].on_front) put_dot(p, &s->points[i], "#bbb", false);
+    plot_curve_begin(p, "#e70");
     double lowest = INFINITY; /* of the settings that are called equal, the line joins those that lead */
     for (size_t i = 0; i < s->count; i++) {
-        const sweep_point *p = &s->points[order[i]];
-        if (!p->on_front || p->errors.flip >= lowest) continue;
-        lowest = p->errors.flip;
-        fprintf(out, "%.1f,%.1f ", place_x(a, p->ms), place_y(a, p->errors.flip));
+        const sweep_point *q = &s->points[order[i]];
+        if (!q->on_front || q->errors.flip >= lowest) continue;
+        lowest = q->errors.flip;
+        plot_curve_to(p, q->ms, q->errors.flip);
     }
-    fprintf(out, "\"/>");
+    plot_curve_end(p);
     for (size_t i = 0; i < s->count; i++)
-        if (s->points[i].on_front) put_dot(out, a, &s->points[i], "#e70", false);
-    fprintf(out, "</svg></figure>\n");
+        if (s->points[i].on_front) put_dot(p, &s->points[i], "#e70", false);
+    plot_end(p, def->command);
 }
 
 static void put_plots(FILE *out, const report_def *def)
 {
-    plot_axes axes = make_axes(def);
+    const plot p = make_plot(out, def);
     fprintf(out, "<h2>Error over time</h2><div class=\"plots\">\n");
-    put_front_plot(out, def, &axes);
-    put_knob_plot(out, def, &axes, "quality", "The presets.");
-    for (size_t k = 0; k < KNOBS; k++) put_knob_plot(out, def, &axes, knob_at(k)->name, knob_at(k)->doc);
+    put_front_plot(&p, def);
+    put_knob_plot(&p, def, "quality", "The presets.");
+    for (size_t k = 0; k < KNOBS; k++) put_knob_plot(&p, def, knob_at(k)->name, knob_at(k)->doc);
     fprintf(out, "</div>\n");
 }
 
@@ -201,13 +113,15 @@ static void put_row(FILE *out, const sweep_result *s, const sweep_point *p)
     fprintf(out, "<tr class=\"%s\"><td>%.2f</td><td>%.2f</td><td>%.4f</td><td>%.5f</td><td>",
             p->on_front ? "front" : "beaten", p->ms, p->spread, e->flip, e->rmse);
     if (isfinite(e->psnr)) fprintf(out, "%.2f", e->psnr);
-    fprintf(out, "</td><td>%.5f</td><td>%.4f</td><td>%s ", e->ssim, e->worst, p->knob);
-    put_html(out, p->setting);
+    fprintf(out, "</td><td>%.5f</td><td>%.4f</td>", e->ssim, e->worst);
+    if (s->def.moments) fprintf(out, "<td>%.4f</td>", p->temporal);
+    fprintf(out, "<td>%s ", p->knob);
+    page_text(out, p->setting);
     int other = p->same_as >= 0 ? p->same_as : p->beaten_by;
     if (other >= 0) {
         fprintf(out, " &mdash; %s %s ", p->same_as >= 0 ? "the same picture and time as" : "beaten by",
                 s->points[other].knob);
-        put_html(out, s->points[other].setting);
+        page_text(out, s->points[other].setting);
     }
     fprintf(out, "</td></tr>\n");
 }
@@ -216,8 +130,10 @@ static void put_table(FILE *out, const sweep_result *s)
 {
     size_t order[SWEEP_POINTS];
     report_sort(s, order);
-    fprintf(out, "<h2>All settings</h2><table><tr><th>ms</th><th>&plusmn;</th><th>FLIP</th><th>RMSE</th><th>PSNR</th>"
-                 "<th>SSIM</th><th>worst tile</th><th>setting</th></tr>\n");
+    fprintf(out,
+            "<h2>All settings</h2><table><tr><th>ms</th><th>&plusmn;</th><th>FLIP</th><th>RMSE</th><th>PSNR</th>"
+            "<th>SSIM</th><th>worst tile</th>%s<th>setting</th></tr>\n",
+            s->def.moments ? "<th>temporal FLIP</th>" : "");
     for (size_t i = 0; i < s->count; i++) put_row(out, s, &s->points[order[i]]);
     fprintf(out, "</table>\n");
 }
@@ -287,7 +203,7 @@ static bool put_error_map(FILE *out, const report_def *def, const sweep_point *p
 static bool put_pair(FILE *out, const report_def *def, const sweep_point *p, daft_error *error)
 {
     fprintf(out, "<h3>%s ", p->knob);
-    put_html(out, p->setting);
+    page_text(out, p->setting);
     fprintf(
         out,
         "</h3><p>%.2f ms, FLIP %.4f. Left of the slider: this setting; right: the reference.</p><div class=\"pair\">",
@@ -320,6 +236,58 @@ static bool put_pairs(FILE *out, const report_def *def, daft_error *error)
     return true;
 }
 
+/* ---- what the preset's picture is made of, and wrong pixels ------------------------------------------------------ */
+
+static void put_effects(FILE *out, const sweep_result *s)
+{
+    fprintf(out,
+            "<h2>What a picture of quality %s is made of</h2><p>An effect that nothing in sight calls for costs no "
+            "rays, no bytes and no time.</p><table><tr><th>ms</th><th>rays</th><th>bytes</th><th>tiles</th>"
+            "<th>effect</th></tr>\n",
+            daft_preset_name(s->def.preset));
+    for (int i = 0; i < DAFT_EFFECT_COUNT; i++) {
+        const daft_effect *e = &s->counters.effects[i];
+        fprintf(out,
+                "<tr class=\"%s\"><td>%.2f</td><td>%llu</td><td>%llu</td><td>%u</td><td>%s: ", e->ran ? "" : "beaten",
+                e->ms, (unsigned long long)e->rays, (unsigned long long)e->bytes, e->tiles, e->name);
+        page_text(out, e->why ? e->why : "");
+        fprintf(out, "</td></tr>\n");
+    }
+    fprintf(out, "</table>\n");
+}
+
+static bool put_wrong(FILE *out, const report_def *def, int which, daft_error *error)
+{
+    const sweep_result *s = def->sweep;
+    const sweep_wrong *wrong = &s->wrong[which];
+    const size_t bytes = 4 * (size_t)s->def.width * (size_t)s->def.height;
+    char text[SENTENCE];
+    report_wrong(s, which, text);
+    fprintf(out, "<p>");
+    page_text(out, text);
+    fprintf(out, "</p>\n");
+    if (wrong->count == 0 || def->no_pictures) return true;
+    uint8_t *painted = malloc(bytes);
+    if (!painted) return fail(error, DAFT_ERROR_MEMORY, "out of memory for wrong pixels");
+    memcpy(painted, s->points[s->preset].pixels, bytes);
+    wrong_paint(wrong->mask, s->def.width, s->def.height, painted);
+    fprintf(out, "<div class=\"dots\"><label><input type=\"checkbox\" checked> red dots over wrong pixels</label><br>"
+                 "<div class=\"pair\">");
+    const bool good =
+        put_picture(out, def, s->points[s->preset].pixels, error) && put_picture(out, def, painted, error);
+    fprintf(out, "</div></div>\n");
+    free(painted);
+    return good;
+}
+
+static bool put_wrongs(FILE *out, const report_def *def, daft_error *error)
+{
+    fprintf(out, "<h2>Wrong pixels</h2>\n");
+    for (int i = 0; i < SWEEP_WRONG; i++)
+        if (!put_wrong(out, def, i, error)) return false;
+    return true;
+}
+
 bool report_write_page(const report_def *def, daft_error *error)
 {
     char path[PATH_SIZE], text[SENTENCE];
@@ -328,26 +296,28 @@ bool report_write_page(const report_def *def, daft_error *error)
         return fail(error, DAFT_ERROR_ARGUMENT, "%s: the path is too long", def->folder);
     if (!draft_open(&draft, error)) return false;
     FILE *out = draft.file;
-    fputs(HEAD, out);
-    fprintf(out, "<h1>What accuracy costs: ");
-    put_html(out, def->scene);
+    char title[SENTENCE];
+    snprintf(title, sizeof title, "What accuracy costs: %s", def->scene);
+    page_begin(out, title);
     report_advise(def, text);
-    fprintf(out, "</h1><p class=\"advice\">");
-    put_html(out, text);
+    fprintf(out, "<p class=\"advice\">");
+    page_text(out, text);
     report_floor(def, text);
     fprintf(out, "</p><p>");
-    put_html(out, text);
+    page_text(out, text);
     fprintf(
         out,
         " FLIP at %.0f pixels a degree; RMSE and PSNR in linear light; &plusmn; is half of the distance between the "
-        "quartiles. %d&times;%d pixels.</p><p>Made by <code>",
-        METRICS_PPD, def->sweep->def.width, def->sweep->def.height);
-    put_html(out, def->command);
+        "quartiles. %d&times;%d pixels%s.</p><p>Made by <code>",
+        METRICS_PPD, def->sweep->def.width, def->sweep->def.height,
+        def->sweep->def.moments ? "; means over moments of the game, whose texts over the picture are left out" : "");
+    page_text(out, def->command);
     fprintf(out, "</code></p>\n");
     put_plots(out, def);
-    bool good = put_pairs(out, def, error);
+    put_effects(out, def->sweep);
+    bool good = (def->no_pictures || put_pairs(out, def, error)) && put_wrongs(out, def, error);
     put_table(out, def->sweep);
-    fputs(TAIL, out);
+    page_end(out);
     if (good) return draft_commit(&draft, path, error);
     fclose(draft.file);
     free(draft.bytes);

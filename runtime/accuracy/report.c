@@ -2,6 +2,7 @@
 #include "accuracy/report.h"
 
 #include "common/json.h"
+#include "common/stats.h"
 #include "common/util.h"
 
 #include <math.h>
@@ -26,31 +27,11 @@ static double smallest_error(const sweep_result *s)
     return least;
 }
 
-/* The setting without its scale, which is no knob of daft render but a size. */
-static void put_knobs(const char *setting, FILE *out)
-{
-    const char *before = " --knobs ";
-    for (const char *word = setting; *word;) {
-        size_t length = strcspn(word, ",");
-        if (strncmp(word, "scale=", 6) != 0) {
-            fprintf(out, "%s%.*s", before, (int)length, word);
-            before = ",";
-        }
-        word += length + (word[length] == ',');
-    }
-}
-
 void report_command(const sweep_result *sweep, const sweep_point *point, char *out, size_t size)
 {
-    FILE *text = fmemopen(out, size, "w");
-    out[0] = 0;
-    if (!text) return;
-    bool whole = strcmp(point->knob, "quality") == 0;
-    fprintf(text, "--quality %s", whole ? point->setting : daft_quality_name(sweep->def.view.quality));
-    if (!whole) put_knobs(point->setting, text);
-    fprintf(text, " --size %dx%d", sweep_side(sweep->def.width, point->set.scale),
-            sweep_side(sweep->def.height, point->set.scale));
-    fclose(text);
+    const bool whole = strcmp(point->knob, "quality") == 0;
+    snprintf(out, size, "--quality %s%s%s --size %dx%d", whole ? point->setting : daft_preset_name(sweep->def.preset),
+             whole ? "" : " --knobs ", whole ? "" : point->setting, sweep->def.width, sweep->def.height);
 }
 
 void report_floor(const report_def *def, char out[SENTENCE])
@@ -76,7 +57,7 @@ void report_advise(const report_def *def, char out[SENTENCE])
 {
     const sweep_result *s = def->sweep;
     int best = sweep_choose(s, def->budget_ms);
-    char command[SENTENCE / 2];
+    char command[SENTENCE / 2 + SETTING_TEXT];
     const sweep_point *p = best >= 0 ? &s->points[best] : &s->points[0];
     for (size_t i = 0; best < 0 && i < s->count; i++)
         if (s->points[i].ms < p->ms) p = &s->points[i];
@@ -92,22 +73,46 @@ void report_advise(const report_def *def, char out[SENTENCE])
              p->errors.flip);
 }
 
-void report_print(const report_def *def, FILE *out)
+static void print_point(const report_def *def, const sweep_point *p, FILE *out)
+{
+    const picture_errors *e = &p->errors;
+    fprintf(out, "%9.2f %8.2f %8.4f %8.5f %7.2f %8.5f %8.4f ", p->ms, p->spread, e->flip, e->rmse, e->psnr, e->ssim,
+            e->worst);
+    if (def->sweep->def.moments) fprintf(out, "%8.4f ", p->temporal);
+    fprintf(out, " %s %s\n", p->knob, p->setting);
+}
+
+static void print_front(const report_def *def, FILE *out)
 {
     const sweep_result *s = def->sweep;
     size_t order[SWEEP_POINTS];
-    char text[SENTENCE];
     report_sort(s, order);
-    fprintf(out, "%s at %dx%d: settings that no other beats, of %zu", def->scene, s->def.width, s->def.height,
-            s->count);
+    fprintf(out, "%s at %dx%d", def->scene, s->def.width, s->def.height);
+    if (s->def.moments) fprintf(out, ", %d moments of the game", s->moments);
+    fprintf(out, ": settings that no other beats, of %zu", s->count);
     if (s->dropped) fprintf(out, " (there was no time for %zu more)", s->dropped);
-    fprintf(out, "\n\n%9s %8s %8s %8s %7s %8s %8s  %s\n", "ms", "±", "FLIP", "RMSE", "PSNR", "SSIM", "tile", "setting");
-    for (size_t i = 0; i < s->count; i++) {
-        const sweep_point *p = &s->points[order[i]];
-        const picture_errors *e = &p->errors;
-        if (!p->on_front) continue;
-        fprintf(out, "%9.2f %8.2f %8.4f %8.5f %7.2f %8.5f %8.4f  %s %s\n", p->ms, p->spread, e->flip, e->rmse, e->psnr,
-                e->ssim, e->worst, p->knob, p->setting);
+    fprintf(out, "\n\n%9s %8s %8s %8s %7s %8s %8s ", "ms", "±", "FLIP", "RMSE", "PSNR", "SSIM", "tile");
+    fprintf(out, s->def.moments ? "%8s  setting\n" : "%s setting\n", s->def.moments ? "temporal" : "");
+    for (size_t i = 0; i < s->count; i++)
+        if (s->points[order[i]].on_front) print_point(def, &s->points[order[i]], out);
+}
+
+void report_wrong(const sweep_result *s, int which, char out[SENTENCE])
+{
+    const sweep_wrong *w = &s->wrong[which];
+    snprintf(out, SENTENCE, "%s: %zu of %d pixels see another triangle than with visibility=exact.", w->setting,
+             w->count, s->def.width * s->def.height);
+}
+
+void report_print(const report_def *def, FILE *out)
+{
+    char text[SENTENCE];
+    print_front(def, out);
+    fprintf(out, "\nWhat a picture of quality %s is made of:\n\n", daft_preset_name(def->sweep->def.preset));
+    stats_print_plan(out, &def->sweep->counters);
+    for (int i = 0; i < SWEEP_WRONG; i++) {
+        report_wrong(def->sweep, i, text);
+        fprintf(out, i ? "%s\n" : "\n%s\n", text);
     }
     report_advise(def, text);
     fprintf(out, "\n%s\n", text);
@@ -187,12 +192,28 @@ static void put_point(FILE *out, const sweep_result *s, const sweep_point *p)
 {
     fprintf(out, "{\"knob\":\"%s\",\"setting\":", p->knob);
     json_put_text(out, p->setting);
-    fprintf(out, ",\"ms\":%.4f,\"ms_spread\":%.4f,\"rounds\":%d", p->ms, p->spread, p->rounds);
+    fprintf(out, ",\"ms\":%.4f,\"ms_spread\":%.4f,\"rounds\":%d", p->ms, p->spread, p->at[0].rounds);
     put_errors(out, &p->errors);
+    if (s->def.moments) {
+        fputc(',', out);
+        put_number(out, "temporal_flip", p->temporal);
+    }
     fprintf(out, ",\"on_front\":%s", p->on_front ? "true" : "false");
     put_other(out, "same_as", s, p->same_as);
     put_other(out, "beaten_by", s, p->beaten_by);
     fputc('}', out);
+}
+
+static void put_effects(FILE *out, const daft_counters *c)
+{
+    for (int i = 0; i < DAFT_EFFECT_COUNT; i++) {
+        const daft_effect *e = &c->effects[i];
+        fprintf(out,
+                "%s\n{\"effect\":\"%s\",\"ran\":%s,\"why\":\"%s\",\"tiles\":%u,\"rays\":%llu,\"bytes\":%llu,"
+                "\"ms\":%.4f}",
+                i ? "," : "", e->name, e->ran ? "true" : "false", e->why ? e->why : "", e->tiles,
+                (unsigned long long)e->rays, (unsigned long long)e->bytes, e->ms);
+    }
 }
 
 static bool write_json(const report_def *def, daft_error *error)
@@ -215,7 +236,12 @@ static bool write_json(const report_def *def, daft_error *error)
     report_advise(def, text);
     fprintf(out, "},\"budget_ms\":%g,\"budget_kept\":%s,\"advice\":", def->budget_ms, best >= 0 ? "true" : "false");
     json_put_text(out, text);
-    fprintf(out, ",\"points\":[");
+    fprintf(out, ",\"moments\":%d,\"wrong_pixels\":{", s->moments);
+    for (int i = 0; i < SWEEP_WRONG; i++)
+        fprintf(out, "%s\"%s\":%zu", i ? "," : "", s->wrong[i].setting, s->wrong[i].count);
+    fprintf(out, "},\"effects\":[");
+    put_effects(out, &s->counters);
+    fprintf(out, "\n],\"points\":[");
     for (size_t i = 0; i < s->count; i++) {
         fputs(i ? ",\n" : "\n", out);
         put_point(out, s, &s->points[i]);

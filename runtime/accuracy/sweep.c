@@ -2,6 +2,7 @@
 #include "accuracy/sweep.h"
 
 #include "common/progress.h"
+#include "common/quality.h"
 #include "common/util.h"
 
 #include <math.h>
@@ -9,78 +10,96 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { GRID = 54, GRID_QUICK = 12, LEAST_ROUNDS = 2, GOOD_ROUNDS = 5, MOST_FACTOR = 4 };
+enum { GRID = 54, GRID_QUICK = 12, LEAST_ROUNDS = 2, GOOD_ROUNDS = 5, MOST_FACTOR = 4, TRIES = 3 };
 
-/* Parts of the time: what the reference may take; until when there may be new cells of the grid, and more than
+/* Parts of a moment's time: what the reference may take; until when there may be new cells of the grid, and more than
  * good rounds; what the rounds of one setting may take, and what one picture of it. */
 static const double REFERENCE_SHARE = 0.3, COMPARE_SHARE = 0.55, TIME_SHARE = 0.85, POINT_SHARE = 0.04,
                     SLOWEST_SHARE = 0.06;
 
+/* What is known of the moment at work. */
+typedef struct sweep_work {
+    int moment;
+    bool shown;     /* the moment that the report shows */
+    daft_view view; /* of the preset, now */
+    double seconds; /* that the moment may take */
+    uint64_t all_ns, began_ns;
+    daft_image *image;
+    daft_history *history;
+    flip_picture *reference, *halves[2];
+    float *change, *reference_change; /* FLIP of each pixel from the tick before; NULL: a scene */
+    double seen_from;                 /* x of the last timed picture's camera, metres */
+    progress_bar bar;
+} sweep_work;
+
 static double seconds_since(uint64_t began_ns) { return (double)(clock_now_ns() - began_ns) / 1e9; }
+
+/* The part of the moment's time that is over. */
+static double used(const sweep_result *s) { return seconds_since(s->work->began_ns) / s->work->seconds; }
 
 static size_t bytes_of(const sweep_result *s) { return 4 * (size_t)s->def.width * (size_t)s->def.height; }
 
+static bool is_game(const sweep_result *s) { return s->def.moments > 0; }
+
+static flip_picture *prepare(const sweep_result *s, const uint8_t *pixels, daft_error *error)
+{
+    return flip_prepare(pixels, s->def.width, s->def.height, METRICS_PPD, error);
+}
+
 /* ---- drawing ----------------------------------------------------------------------------------------------------- */
 
-/* Bilinear between the centres of the drawn pixels, of the encoded bytes, as a window shows a smaller picture. */
-static void enlarge(daft_image *from, uint8_t *to, int width, int height)
+static daft_view view_of(const sweep_result *s, const daft_quality *quality)
 {
-    int w = daft_image_width(from), h = daft_image_height(from);
-    const uint8_t *pixels = daft_image_pixels(from);
-    for (int i = 0; i < width * height; i++) {
-        double x = fmax((i % width + 0.5) * w / width - 0.5, 0), y = fmax((i / width + 0.5) * h / height - 0.5, 0);
-        int x0 = (int)x, y0 = (int)y, x1 = x0 + 1 < w ? x0 + 1 : x0, y1 = y0 + 1 < h ? y0 + 1 : y0;
-        double fx = x - x0, fy = y - y0;
-        for (int c = 0; c < 4; c++) {
-            double top = pixels[4 * (y0 * w + x0) + c] * (1 - fx) + pixels[4 * (y0 * w + x1) + c] * fx;
-            double low = pixels[4 * (y1 * w + x0) + c] * (1 - fx) + pixels[4 * (y1 * w + x1) + c] * fx;
-            to[4 * i + c] = (uint8_t)(top * (1 - fy) + low * fy + 0.5);
-        }
-    }
+    daft_view view = s->work->view;
+    view.quality = *quality;
+    return view;
 }
 
-int sweep_side(int side, double scale)
+/* Draws the picture of a point. */
+static bool draw(sweep_result *s, const sweep_point *p, daft_error *error)
 {
-    int drawn = (int)(side * scale + 0.5);
-    return drawn < 1 ? 1 : drawn;
+    const daft_view view = view_of(s, &p->quality);
+    return daft_render(s->def.scene, &view, s->work->image, error);
 }
 
-/* The picture of a size, kept: memory that is new to the process would be part of the time. */
-static daft_image *target_of(sweep_result *s, int width, int height, daft_error *error)
+/* Draws it for the time alone. Each such picture is seen from another point, the next number from the camera's, so that
+ * they do not reuse what only a standing camera lets them keep. */
+static bool draw_timed(sweep_result *s, sweep_point *p, daft_error *error)
 {
-    daft_image **target = NULL;
-    for (size_t i = 0; i < COUNT_OF(s->targets); i++) {
-        target = &s->targets[i];
-        if (!*target) return *target = daft_image_create(s->def.engine, width, height, error);
-        if (daft_image_width(*target) == width && daft_image_height(*target) == height) return *target;
-    }
-    daft_image_destroy(*target); /* more sizes than places: the last one is shared */
-    return *target = daft_image_create(s->def.engine, width, height, error);
-}
-
-static bool keep_picture(const sweep_result *s, sweep_point *p, daft_image *image, daft_error *error)
-{
-    p->pixels = malloc(bytes_of(s));
-    if (!p->pixels) return fail(error, DAFT_ERROR_MEMORY, "out of memory for pictures");
-    enlarge(image, p->pixels, s->def.width, s->def.height);
+    daft_view view = view_of(s, &p->quality);
+    sweep_measure *m = &p->at[s->work->moment];
+    view.camera.position.x = s->work->seen_from = nextafter(s->work->seen_from, INFINITY);
+    const uint64_t began = clock_now_ns();
+    if (!daft_render(s->def.scene, &view, s->work->image, error)) return false;
+    if (m->rounds < SWEEP_ROUNDS) m->times[m->rounds++] = (double)(clock_now_ns() - began) / 1e6;
     return true;
 }
 
-/* Draws once: the first time for the picture, later for the time. Timed pictures are each seen from another point, the
- * next number from the camera's, so that they do not reuse what only a standing camera lets them keep. */
-static bool draw(sweep_result *s, sweep_point *p, daft_error *error)
+static bool draw_once(sweep_result *s, const daft_view *view, double *seconds, daft_error *error)
 {
-    int width = sweep_side(s->def.width, p->set.scale), height = sweep_side(s->def.height, p->set.scale);
-    daft_image *image = target_of(s, width, height, error);
-    daft_view view = p->set.view;
-    if (!image) return false;
-    if (p->pixels) view.camera.position.x = s->seen_from = nextafter(s->seen_from, INFINITY);
-    uint64_t began = clock_now_ns();
-    if (!daft_render(s->def.scene, &view, image, error)) return false;
-    double ms = (double)(clock_now_ns() - began) / 1e6;
-    if (!p->pixels) return keep_picture(s, p, image, error);
-    if (p->rounds < SWEEP_ROUNDS) p->times[p->rounds++] = ms;
+    const uint64_t began = clock_now_ns();
+    if (!daft_render(s->def.scene, view, s->work->image, error)) return false;
+    *seconds = seconds_since(began);
     return true;
+}
+
+/* FLIP of each pixel between the picture of the tick before and that of this one, as a game draws them. */
+static bool find_change(sweep_result *s, const daft_quality *quality, float *map, daft_error *error)
+{
+    flip_picture *two[2] = {NULL, NULL};
+    bool good = true;
+    daft_history_forget(s->work->history);
+    for (int k = 0; good && k < 2; k++) {
+        daft_view view = view_of(s, quality);
+        view.alpha = (float)k, view.camera = daft_scene_camera(s->def.scene, (float)k);
+        view.history = s->work->history;
+        good = daft_render(s->def.scene, &view, s->work->image, error) &&
+               (two[k] = prepare(s, daft_image_pixels(s->work->image), error)) != NULL;
+    }
+    if (good) flip_compare(two[0], two[1], map);
+    flip_free(two[0]);
+    flip_free(two[1]);
+    return good;
 }
 
 /* ---- the reference ----------------------------------------------------------------------------------------------- */
@@ -91,20 +110,19 @@ typedef struct reference_sum {
 } reference_sum;
 
 /* The values of quality reference, by rasterization: the same picture as its camera rays one by one, in a fraction of
- * the time. That it is the same is what the settings `quality reference` and `reference=1` show. */
-static daft_view reference_view(const sweep_result *s)
+ * the time. That it is the same is what the settings `quality reference` and `tree=bvh` show. */
+static daft_quality reference_quality(void)
 {
-    daft_view view = s->def.view;
-    view.quality = DAFT_QUALITY_GAME;
-    view.samples = 16, view.mirror_depth = 10, view.refraction_depth = 24, view.min_weight = 1.0f / 4096,
-    view.shadows = 1;
-    return view;
+    daft_quality quality = daft_preset_quality(DAFT_PRESET_REFERENCE);
+    quality.tree = DAFT_TREE_RASTER;
+    return quality;
 }
 
 /* The mean of factor × factor pixels of 16 samples each, in linear light. */
 static bool add_half(sweep_result *s, int factor, reference_sum *sum, uint8_t *half, daft_error *error)
 {
-    daft_view view = reference_view(s);
+    const daft_quality quality = reference_quality();
+    const daft_view view = view_of(s, &quality);
     daft_image *image = daft_image_create(s->def.engine, s->def.width * factor, s->def.height * factor, error);
     if (!image || !daft_render(s->def.scene, &view, image, error)) {
         daft_image_destroy(image);
@@ -132,29 +150,21 @@ static bool add_half(sweep_result *s, int factor, reference_sum *sum, uint8_t *h
     return true;
 }
 
-static void finish_reference(sweep_result *s, const reference_sum *sum)
+static void finish_reference(const sweep_result *s, const reference_sum *sum, uint8_t *out)
 {
     for (int i = 0; i < s->def.width * s->def.height; i++) {
-        for (int c = 0; c < 3; c++) s->reference[4 * i + c] = metrics_to_srgb(sum->light[3 * i + c] / sum->weight);
-        s->reference[4 * i + 3] = 255;
+        for (int c = 0; c < 3; c++) out[4 * i + c] = metrics_to_srgb(sum->light[3 * i + c] / sum->weight);
+        out[4 * i + 3] = 255;
     }
-}
-
-static bool draw_once(sweep_result *s, const daft_view *view, double *seconds, daft_error *error)
-{
-    daft_image *image = target_of(s, s->def.width, s->def.height, error);
-    uint64_t began = clock_now_ns();
-    if (!image || !daft_render(s->def.scene, view, image, error)) return false;
-    *seconds = seconds_since(began);
-    return true;
 }
 
 /* The halves have f × f and (f+1) × (f+1) times as many pixels, so that they share no sample position. f is the largest
  * that there is time for, by what a picture of one time as many takes. */
 static bool choose_factor(sweep_result *s, int *factor, daft_error *error)
 {
-    daft_view view = reference_view(s);
-    double once, limit = REFERENCE_SHARE * s->def.seconds;
+    const daft_quality quality = reference_quality();
+    const daft_view view = view_of(s, &quality);
+    double once, limit = REFERENCE_SHARE * s->work->seconds;
     if (!draw_once(s, &view, &once, error)) return false;
     *factor = 1;
     while (*factor < MOST_FACTOR && once * ((*factor + 1) * (*factor + 1) + (*factor + 2) * (*factor + 2)) < limit)
@@ -162,70 +172,106 @@ static bool choose_factor(sweep_result *s, int *factor, daft_error *error)
     return true;
 }
 
-static bool make_reference(sweep_result *s, daft_error *error)
+static void add_floor(sweep_result *s, const picture_errors *now)
 {
-    size_t bytes = bytes_of(s);
+    picture_errors *all = &s->floor;
+    const double before = s->work->moment, after = before + 1;
+    all->rmse = sqrt((all->rmse * all->rmse * before + now->rmse * now->rmse) / after);
+    all->psnr = metrics_psnr(all->rmse);
+    all->ssim = (all->ssim * before + now->ssim) / after, all->flip = (all->flip * before + now->flip) / after;
+    all->worst = fmax(all->worst, now->worst);
+}
+
+static bool keep_reference(sweep_result *s, const uint8_t *whole, uint8_t *const halves[2], daft_error *error)
+{
+    sweep_work *w = s->work;
+    picture_errors floor;
+    if (!metrics_compare(halves[0], halves[1], s->def.width, s->def.height, NULL, &floor, error)) return false;
+    add_floor(s, &floor);
+    if (w->shown) memcpy(s->reference, whole, bytes_of(s));
+    w->reference = prepare(s, whole, error);
+    for (int k = 0; k < 2 && w->reference; k++) w->halves[k] = prepare(s, halves[k], error);
+    const daft_quality quality = reference_quality();
+    return w->reference && w->halves[0] && w->halves[1] &&
+           (!is_game(s) || find_change(s, &quality, w->reference_change, error));
+}
+
+static bool make_reference(sweep_result *s, uint8_t *whole, daft_error *error)
+{
+    const size_t bytes = bytes_of(s);
     int factor;
     if (!choose_factor(s, &factor, error)) return false;
     reference_sum sum = {.light = calloc(bytes / 4 * 3, sizeof *sum.light)};
-    s->halves[0] = malloc(bytes), s->halves[1] = malloc(bytes);
-    s->reference = malloc(bytes);
-    bool good = (sum.light && s->halves[0] && s->halves[1] && s->reference) ||
-                fail(error, DAFT_ERROR_MEMORY, "out of memory for the reference");
+    uint8_t *halves[2] = {malloc(bytes), malloc(bytes)};
+    bool good =
+        (sum.light && halves[0] && halves[1]) || fail(error, DAFT_ERROR_MEMORY, "out of memory for the reference");
     for (int k = 0; good && k < 2; k++) {
-        s->reference_samples[k] = 16 * (factor + k) * (factor + k);
-        good = add_half(s, factor + k, &sum, s->halves[k], error);
+        const int samples = 16 * (factor + k) * (factor + k);
+        if (s->work->moment == 0 || samples < s->reference_samples[k]) s->reference_samples[k] = samples;
+        good = add_half(s, factor + k, &sum, halves[k], error);
     }
-    if (good) finish_reference(s, &sum);
-    good = good && metrics_compare(s->halves[0], s->halves[1], s->def.width, s->def.height, NULL, &s->floor, error);
+    if (good) finish_reference(s, &sum, whole);
+    good = good && keep_reference(s, whole, halves, error);
     free(sum.light);
+    free(halves[0]);
+    free(halves[1]);
     return good;
+}
+
+static void drop_reference(sweep_work *w)
+{
+    flip_free(w->reference);
+    flip_free(w->halves[0]);
+    flip_free(w->halves[1]);
+    w->reference = w->halves[0] = w->halves[1] = NULL;
 }
 
 /* ---- settings ---------------------------------------------------------------------------------------------------- */
 
-static sweep_point *add_point(sweep_result *s, const char *name, const char *setting, const knob_set *set)
+static sweep_point *add_point(sweep_result *s, const char *name, const char *setting, const daft_quality *quality)
 {
     if (s->count == SWEEP_POINTS) return NULL;
     sweep_point *p = &s->points[s->count++];
-    *p = (sweep_point){.knob = name, .set = *set, .same_as = -1, .beaten_by = -1};
+    *p = (sweep_point){.knob = name, .quality = *quality, .same_as = -1, .beaten_by = -1};
     snprintf(p->setting, sizeof p->setting, "%s", setting);
     return p;
 }
 
-static knob_set preset_of(const sweep_result *s) { return (knob_set){.view = s->def.view, .scale = 1}; }
+static daft_quality preset_of(const sweep_result *s) { return daft_preset_quality(s->def.preset); }
 
 /* Pictures by camera rays one by one can take minutes where there is much to hit: the setting is left out then. */
 static bool too_slow(sweep_result *s, double once)
 {
-    bool slow = once > SLOWEST_SHARE * s->def.seconds;
+    const bool slow = once > SLOWEST_SHARE * s->work->seconds;
     s->dropped += slow;
     return slow;
 }
 
 static void add_qualities(sweep_result *s)
 {
-    for (int q = DAFT_QUALITY_DRAFT; q <= DAFT_QUALITY_REFERENCE; q++) {
-        if (q == DAFT_QUALITY_REFERENCE && too_slow(s, 16 * s->ray_seconds)) continue;
-        knob_set set = preset_of(s);
-        if (set.view.quality == (daft_quality)q) s->preset = s->count;
-        set.view.quality = (daft_quality)q;
-        add_point(s, "quality", daft_quality_name((daft_quality)q), &set);
+    for (int i = DAFT_PRESET_DRAFT; i <= DAFT_PRESET_REFERENCE; i++) {
+        const daft_preset preset = (daft_preset)i;
+        const daft_quality quality = daft_preset_quality(preset);
+        if (preset == s->def.preset)
+            s->preset = s->count;
+        else if (quality.tree != DAFT_TREE_RASTER && too_slow(s, quality.samples * s->ray_seconds))
+            continue;
+        add_point(s, "quality", daft_preset_name(preset), &quality);
     }
 }
 
-static void add_singles(sweep_result *s)
+static bool add_singles(sweep_result *s, daft_error *error)
 {
     for (size_t k = 0; k < KNOBS; k++) {
         const knob_row *knob = knob_at(k);
-        for (size_t i = 0; i < knob->count; i++) {
-            knob_set set = preset_of(s);
-            char text[KNOB_TEXT];
-            if (knob_is_by_rays(k, knob->values[i]) && too_slow(s, s->ray_seconds)) continue;
-            knob_apply(&set, k, knob->values[i]);
-            add_point(s, knob->name, knob_print(text, k, knob->values[i]), &set);
+        for (size_t i = 0; i < knob_count(knob); i++) {
+            daft_quality quality = preset_of(s);
+            if (knob_is_by_rays(knob->settings[i]) && too_slow(s, quality.samples * s->ray_seconds)) continue;
+            if (!quality_parse(knob->settings[i], &quality, error)) return false;
+            add_point(s, knob->name, knob->settings[i], &quality);
         }
     }
+    return true;
 }
 
 /* How far the settings of a knob are apart, in FLIP. */
@@ -234,7 +280,8 @@ static double effect_of(const sweep_result *s, size_t k)
     double low = INFINITY, high = 0;
     for (size_t i = 0; i < s->count; i++) {
         if (s->points[i].knob != knob_at(k)->name) continue;
-        low = fmin(low, s->points[i].errors.flip), high = fmax(high, s->points[i].errors.flip);
+        const double flip = s->points[i].at[0].errors.flip;
+        low = fmin(low, flip), high = fmax(high, flip);
     }
     return high - low;
 }
@@ -243,83 +290,114 @@ static double effect_of(const sweep_result *s, size_t k)
 static size_t choose_grid(const sweep_result *s, size_t chosen[KNOBS])
 {
     size_t count = 0, cells = 1, limit = s->def.quick ? GRID_QUICK : GRID;
-    bool used[KNOBS] = {false};
+    bool taken[KNOBS] = {false};
     for (;;) {
         size_t best = KNOBS;
         for (size_t k = 0; k < KNOBS; k++) {
-            bool fits = !used[k] && cells * knob_at(k)->count <= limit && effect_of(s, k) > 0;
+            bool fits = !taken[k] && cells * knob_count(knob_at(k)) <= limit && effect_of(s, k) > 0;
             if (fits && (best == KNOBS || effect_of(s, k) > effect_of(s, best))) best = k;
         }
         if (best == KNOBS) return count;
-        used[best] = true;
-        cells *= knob_at(best)->count;
+        taken[best] = true;
+        cells *= knob_count(knob_at(best));
         chosen[count++] = best;
     }
 }
 
-static void add_cell(sweep_result *s, const size_t *chosen, size_t count, size_t cell)
+static bool add_cell(sweep_result *s, const size_t *chosen, size_t count, size_t cell, daft_error *error)
 {
-    knob_set set = preset_of(s);
+    daft_quality quality = preset_of(s);
     char setting[SETTING_TEXT] = "";
     for (size_t i = 0; i < count; i++) {
         const knob_row *knob = knob_at(chosen[i]);
-        double value = knob->values[cell % knob->count];
-        char text[KNOB_TEXT];
-        cell /= knob->count;
-        knob_apply(&set, chosen[i], value);
-        size_t used = strlen(setting);
-        snprintf(setting + used, sizeof setting - used, "%s%s", i ? "," : "", knob_print(text, chosen[i], value));
+        const char *text = knob->settings[cell % knob_count(knob)];
+        cell /= knob_count(knob);
+        const size_t length = strlen(setting);
+        snprintf(setting + length, sizeof setting - length, "%s%s", i ? "," : "", text);
     }
-    add_point(s, "all", setting, &set);
+    return quality_parse(setting, &quality, error) && add_point(s, "all", setting, &quality);
 }
 
-static void add_grid(sweep_result *s)
+static bool add_grid(sweep_result *s, daft_error *error)
 {
     size_t chosen[KNOBS], cells = 1, count = choose_grid(s, chosen);
-    if (count < 2) return; /* the singles are the grid */
-    for (size_t i = 0; i < count; i++) cells *= knob_at(chosen[i])->count;
-    for (size_t cell = 0; cell < cells; cell++) add_cell(s, chosen, count, cell);
+    if (count < 2) return true; /* the singles are the grid */
+    for (size_t i = 0; i < count; i++) cells *= knob_count(knob_at(chosen[i]));
+    for (size_t cell = 0; cell < cells && s->count < SWEEP_POINTS; cell++)
+        if (!add_cell(s, chosen, count, cell, error)) return false;
+    return true;
 }
 
 /* ---- measuring --------------------------------------------------------------------------------------------------- */
 
-static void show(const sweep_result *s, progress_bar *bar)
+static void show(sweep_result *s)
 {
-    progress_show(bar, fmin(seconds_since(s->began_ns) / s->def.seconds, 1));
+    progress_show(&s->work->bar, fmin(seconds_since(s->work->all_ns) / s->def.seconds, 1));
 }
 
-/* Many settings draw the picture of another: its errors are known. */
-static const sweep_point *find_twin(const sweep_result *s, const sweep_point *p)
+/* Many settings draw the picture of another: its errors are known. What is temporal is only where that is so always. */
+static const sweep_measure *find_twin(const sweep_result *s, const sweep_point *p, uint64_t picture)
 {
     for (const sweep_point *q = s->points; q < p; q++)
-        if (q->picture == p->picture) return q;
+        if (q->at[s->work->moment].picture == picture) return &q->at[s->work->moment];
     return NULL;
 }
 
-static bool compare_one(const sweep_result *s, sweep_point *p, daft_error *error)
+static double mean_difference(const float *a, const float *b, size_t count)
 {
-    int width = s->def.width, height = s->def.height;
-    p->picture = daft_hash(p->pixels, bytes_of(s), 0);
-    const sweep_point *twin = find_twin(s, p);
+    double sum = 0;
+    for (size_t i = 0; i < count; i++) sum += fabs((double)a[i] - (double)b[i]);
+    return sum / (double)count;
+}
+
+static bool compare_picture(sweep_result *s, const uint8_t *pixels, const uint8_t *reference, sweep_measure *m,
+                            daft_error *error)
+{
+    const int width = s->def.width, height = s->def.height;
+    flip_picture *seen = prepare(s, pixels, error);
+    if (!seen) return false;
+    m->errors.rmse = metrics_rmse(pixels, reference, width, height);
+    m->errors.psnr = metrics_psnr(m->errors.rmse);
+    m->errors.flip = flip_compare(seen, s->work->reference, s->work->change);
+    m->errors.worst = metrics_worst_tile(s->work->change, width, height);
+    for (int k = 0; k < 2; k++) m->half_flip[k] = flip_compare(seen, s->work->halves[k], NULL);
+    flip_free(seen);
+    return metrics_ssim(pixels, reference, width, height, &m->errors.ssim, error);
+}
+
+static bool compare_one(sweep_result *s, sweep_point *p, const uint8_t *reference, daft_error *error)
+{
+    sweep_measure *m = &p->at[s->work->moment];
+    if (!draw(s, p, error)) return false;
+    const uint8_t *pixels = daft_image_pixels(s->work->image);
+    const uint64_t picture = daft_hash(pixels, bytes_of(s), 0);
+    const sweep_measure *twin = find_twin(s, p, picture);
+    if (s->work->shown) {
+        p->pixels = malloc(bytes_of(s));
+        if (!p->pixels) return fail(error, DAFT_ERROR_MEMORY, "out of memory for pictures");
+        memcpy(p->pixels, pixels, bytes_of(s));
+    }
     if (twin) {
-        p->errors = twin->errors;
-        memcpy(p->half_flip, twin->half_flip, sizeof p->half_flip);
+        *m = *twin;
+        m->rounds = 0;
         return true;
     }
-    return metrics_compare(p->pixels, s->reference, width, height, NULL, &p->errors, error) &&
-           metrics_mean_flip(p->pixels, s->halves[0], width, height, &p->half_flip[0], error) &&
-           metrics_mean_flip(p->pixels, s->halves[1], width, height, &p->half_flip[1], error);
+    m->picture = picture;
+    if (!compare_picture(s, pixels, reference, m, error)) return false;
+    if (!is_game(s)) return true;
+    if (!find_change(s, &p->quality, s->work->change, error)) return false;
+    m->temporal = mean_difference(s->work->change, s->work->reference_change, bytes_of(s) / 4);
+    return true;
 }
 
 /* Draws the points from `first` on for the first time, and compares them with the reference. */
-static bool compare(sweep_result *s, size_t first, progress_bar *bar, daft_error *error)
+static bool compare(sweep_result *s, size_t first, const uint8_t *reference, daft_error *error)
 {
     for (size_t i = first; i < s->count; i++) {
-        sweep_point *p = &s->points[i];
-        show(s, bar);
-        if (!draw(s, p, error) || !compare_one(s, p, error)) return false;
+        show(s);
+        if (!compare_one(s, &s->points[i], reference, error)) return false;
         /* Cells of the grid that no time is left for are dropped; single knobs never. */
-        if (first > 0 && seconds_since(s->began_ns) > COMPARE_SHARE * s->def.seconds) {
+        if (first > 0 && used(s) > COMPARE_SHARE) {
             s->dropped += s->count - (i + 1);
             s->count = i + 1;
         }
@@ -331,47 +409,121 @@ static bool compare(sweep_result *s, size_t first, progress_bar *bar, daft_error
  * share and no more. */
 static bool may_time(const sweep_result *s, const sweep_point *p)
 {
-    double used = seconds_since(s->began_ns) / s->def.seconds, taken = 0;
-    for (int i = 0; i < p->rounds; i++) taken += p->times[i] / 1e3;
-    if (p->rounds < LEAST_ROUNDS) return true;
-    return taken < POINT_SHARE * s->def.seconds && used < (p->rounds < GOOD_ROUNDS ? 1 : TIME_SHARE);
+    const sweep_measure *m = &p->at[s->work->moment];
+    double taken = 0;
+    for (int i = 0; i < m->rounds; i++) taken += m->times[i] / 1e3;
+    if (m->rounds < LEAST_ROUNDS) return true;
+    return taken < POINT_SHARE * s->work->seconds && used(s) < (m->rounds < GOOD_ROUNDS ? 1 : TIME_SHARE);
 }
 
-static bool time_all(sweep_result *s, progress_bar *bar, daft_error *error)
+static bool time_all(sweep_result *s, daft_error *error)
 {
     for (int round = 0; round < SWEEP_ROUNDS; round++) {
         for (size_t i = 0; i < s->count; i++) {
-            show(s, bar);
-            if (may_time(s, &s->points[i]) && !draw(s, &s->points[i], error)) return false;
+            show(s);
+            if (may_time(s, &s->points[i]) && !draw_timed(s, &s->points[i], error)) return false;
         }
     }
     return true;
 }
 
-static bool run(sweep_result *s, progress_bar *bar, daft_error *error)
+/* What the report shows of one moment alone: the plan of the preset, and wrong pixels. */
+static bool look_closely(sweep_result *s, daft_error *error)
 {
-    daft_view by_rays = s->def.view;
-    by_rays.reference = true;
-    if (!draw_once(s, &by_rays, &s->ray_seconds, error) || !make_reference(s, error)) return false;
+    static const char *const SETTINGS[SWEEP_WRONG] = {"visibility=fast", "visibility=watertight"};
+    if (!draw(s, &s->points[s->preset], error)) return false;
+    s->counters = *daft_scene_counters(s->def.scene);
+    for (int k = 0; k < SWEEP_WRONG; k++) {
+        sweep_wrong *wrong = &s->wrong[k];
+        daft_quality quality = preset_of(s);
+        *wrong = (sweep_wrong){SETTINGS[k], 0, malloc(bytes_of(s) / 4)};
+        if (!wrong->mask) return fail(error, DAFT_ERROR_MEMORY, "out of memory for wrong pixels");
+        if (!quality_parse(SETTINGS[k], &quality, error)) return false;
+        const daft_view view = view_of(s, &quality);
+        if (!wrong_find(s->def.engine, s->def.scene, &view, s->def.width, s->def.height, wrong->mask, &wrong->count,
+                        error))
+            return false;
+    }
+    return true;
+}
+
+/* ---- moments ----------------------------------------------------------------------------------------------------- */
+
+static bool find_points(sweep_result *s, const uint8_t *reference, daft_error *error)
+{
+    daft_view by_rays = s->work->view;
+    by_rays.quality.tree = DAFT_TREE_BVH, by_rays.quality.samples = 1;
+    s->ray_seconds = INFINITY;
+    for (int i = 0; i < TRIES; i++) { /* the least: a machine at work makes any of them slow */
+        double once;
+        if (!draw_once(s, &by_rays, &once, error)) return false;
+        s->ray_seconds = fmin(s->ray_seconds, once);
+        if (s->ray_seconds > SLOWEST_SHARE * s->work->seconds) break;
+    }
     add_qualities(s);
-    add_singles(s);
-    if (!compare(s, 0, bar, error)) return false;
-    size_t singles = s->count;
-    add_grid(s);
-    if (!compare(s, singles, bar, error) || !time_all(s, bar, error)) return false;
+    if (!add_singles(s, error) || !compare(s, 0, reference, error)) return false;
+    const size_t singles = s->count;
+    return add_grid(s, error) && compare(s, singles, reference, error);
+}
+
+static bool measure_moment(sweep_result *s, daft_error *error)
+{
+    sweep_work *w = s->work;
+    w->view = s->def.view;
+    if (is_game(s)) w->view.camera = daft_scene_camera(s->def.scene, 1);
+    w->view.quality = preset_of(s);
+    w->shown = w->moment == s->def.moments / 2;
+    w->began_ns = clock_now_ns(), w->seen_from = w->view.camera.position.x;
+    uint8_t *reference = malloc(bytes_of(s));
+    bool good = reference || fail(error, DAFT_ERROR_MEMORY, "out of memory for the reference");
+    good = good && make_reference(s, reference, error) &&
+           (w->moment == 0 ? find_points(s, reference, error) : compare(s, 0, reference, error)) &&
+           time_all(s, error) && (!w->shown || look_closely(s, error));
+    free(reference);
+    drop_reference(w);
+    return good;
+}
+
+static bool run(sweep_result *s, daft_error *error)
+{
+    const int wanted = is_game(s) ? s->def.moments : 1;
+    s->work->seconds = s->def.seconds / wanted;
+    for (s->work->moment = 0; s->work->moment < wanted; s->work->moment++) {
+        show(s);
+        if (is_game(s) && !s->def.next(s->def.user, error)) return false;
+        if (!measure_moment(s, error)) return false;
+        s->moments++;
+    }
     sweep_judge(s);
     return true;
 }
 
+static bool begin(sweep_result *s, daft_error *error)
+{
+    sweep_work *w = s->work;
+    const size_t pixels = bytes_of(s) / 4;
+    s->points = calloc(SWEEP_POINTS, sizeof *s->points);
+    s->reference = malloc(bytes_of(s));
+    w->change = malloc(pixels * sizeof *w->change), w->reference_change = malloc(pixels * sizeof *w->change);
+    if (!s->points || !s->reference || !w->change || !w->reference_change)
+        return fail(error, DAFT_ERROR_MEMORY, "out of memory for the settings");
+    w->image = daft_image_create(s->def.engine, s->def.width, s->def.height, error);
+    w->history = w->image ? daft_history_create(s->def.engine, error) : NULL;
+    return w->history != NULL;
+}
+
 bool sweep_run(sweep_result *self, const sweep_def *def, daft_error *error)
 {
-    progress_bar bar;
-    *self = (sweep_result){.def = *def, .seen_from = def->view.camera.position.x, .began_ns = clock_now_ns()};
-    self->points = calloc(SWEEP_POINTS, sizeof *self->points);
-    progress_begin(&bar, "measuring");
-    bool good =
-        self->points ? run(self, &bar, error) : fail(error, DAFT_ERROR_MEMORY, "out of memory for the settings");
-    progress_end(&bar);
+    sweep_work work = {.all_ns = clock_now_ns()};
+    *self = (sweep_result){.def = *def, .work = &work};
+    progress_begin(&work.bar, "measuring");
+    const bool good = begin(self, error) && run(self, error);
+    progress_end(&work.bar);
+    daft_image_destroy(work.image);
+    daft_history_destroy(work.history);
+    free(work.change);
+    free(work.reference_change);
+    self->work = NULL;
     if (!good) sweep_free(self);
     return good;
 }
@@ -379,9 +531,7 @@ bool sweep_run(sweep_result *self, const sweep_def *def, daft_error *error)
 void sweep_free(sweep_result *self)
 {
     for (size_t i = 0; i < self->count; i++) free(self->points[i].pixels);
-    for (size_t i = 0; i < COUNT_OF(self->targets); i++) daft_image_destroy(self->targets[i]);
+    for (size_t i = 0; i < SWEEP_WRONG; i++) free(self->wrong[i].mask);
     free(self->points);
     free(self->reference);
-    free(self->halves[0]);
-    free(self->halves[1]);
 }

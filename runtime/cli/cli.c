@@ -1,6 +1,7 @@
 /* Parses the command line by a table of options, and prints --help from it. */
 #include "cli/cli.h"
 
+#include "common/quality.h"
 #include "common/util.h"
 
 #include <ctype.h>
@@ -94,6 +95,18 @@ static bool parse_bytes(const cli_option *option, const char *text, uint64_t *ou
     return false;
 }
 
+static bool parse_knobs(const char *command, const cli_option *option, const char *text)
+{
+    daft_quality any = daft_preset_quality(DAFT_PRESET_GAME);
+    daft_error error;
+    if (quality_parse(text, &any, &error)) {
+        *(const char **)option->target = text;
+        return true;
+    }
+    cli_refuse(command, "--%s: %s", option->name, error.message);
+    return false;
+}
+
 static bool parse_value(const char *command, const cli_option *option, const char *text)
 {
     const char *name = option->name;
@@ -128,7 +141,8 @@ static bool parse_value(const char *command, const cli_option *option, const cha
         return false;
     case CLI_QUALITY:
         if (!parse_word(command, option, text, QUALITIES, COUNT_OF(QUALITIES), &word)) return false;
-        return daft_quality_parse(QUALITIES[word], option->target);
+        return daft_preset_parse(QUALITIES[word], option->target);
+    case CLI_KNOBS: return parse_knobs(command, option, text);
     case CLI_INTERSECT:
         if (!parse_word(command, option, text, INTERSECTIONS, COUNT_OF(INTERSECTIONS), &word)) return false;
         return daft_intersection_parse(INTERSECTIONS[word], option->target);

@@ -14,7 +14,8 @@ typedef enum cli_kind {
     CLI_NUMBER,    /* double, min..max */
     CLI_BYTES,     /* uint64_t, at least min: 500000, 500kB, 64MB, 1.5GB */
     CLI_SIZE,      /* cli_size: WIDTHxHEIGHT, each min..max */
-    CLI_QUALITY,   /* daft_quality */
+    CLI_QUALITY,   /* daft_preset */
+    CLI_KNOBS,     /* const char *: what quality_parse reads */
     CLI_INTERSECT, /* daft_intersection */
     CLI_ISA,       /* const char *: plain, sse2, avx2, avx512 */
     CLI_ACCEL      /* daft_accel: bvh, kdtree */

@@ -2,6 +2,7 @@
 #include "cli/commands.h"
 
 #include "accuracy/report.h"
+#include "accuracy/sim.h"
 #include "cli/cli.h"
 #include "common/util.h"
 #include "game/loop.h"
@@ -15,26 +16,28 @@
 #include <string.h>
 #include <sys/stat.h>
 
-static const cli_command COMMAND = {"cost",
-                                    "SCENE|GAME",
-                                    "Measures what each step of quality costs and what error it removes.",
-                                    "Draws one picture of the scene, or of the game in the middle of its demo, with "
-                                    "every setting of each knob and with\n"
-                                    "combinations of them; compares each with a reference; writes DIR/index.html, "
-                                    "points.csv and report.json, and names\n"
-                                    "the settings that no other beats, and the best one that keeps the budget.",
-                                    1,
-                                    1};
+static const cli_command COMMAND = {
+    "cost",
+    "SCENE|GAME",
+    "Measures what each step of quality costs and what error it removes.",
+    "Draws a picture of the scene, or pictures at moments of the game's demo, with every "
+    "setting of each knob and with\n"
+    "combinations of them; compares each with a reference; writes DIR/index.html, "
+    "points.csv and report.json, and names\n"
+    "the settings that no other beats, and the best one that keeps the budget.",
+    1,
+    1};
 
-enum { DEFAULT_SECONDS = 150, QUICK_SECONDS = 22 };
+/* Seconds that measuring may take; moments of a game; seconds of one without a demo. */
+enum { DEFAULT_SECONDS = 150, QUICK_SECONDS = 22, QUICK_MOMENTS = 2, PLAYED_SECONDS = 4 };
 
 typedef struct cost_options {
     const char *what, *out, *isa;
     cli_size size;
-    daft_quality quality;
+    daft_preset quality;
     double budget, at;
     long camera, threads;
-    bool quick;
+    bool quick, sim, no_pictures;
 } cost_options;
 
 static bool make_folder(const char *path, daft_error *error)
@@ -47,41 +50,61 @@ static bool make_folder(const char *path, daft_error *error)
 static void print_command(const cost_options *o, FILE *out)
 {
     fprintf(out, "daft cost %s --budget %g --size %dx%d --quality %s", o->what, o->budget, o->size.width,
-            o->size.height, daft_quality_name(o->quality));
+            o->size.height, daft_preset_name(o->quality));
+    if (o->sim) fprintf(out, " --sim");
     if (o->quick) fprintf(out, " --quick");
+    if (o->no_pictures) fprintf(out, " --no-pictures");
     if (o->camera >= 0) fprintf(out, " --camera %ld", o->camera);
     if (!isnan(o->at)) fprintf(out, " --at %g", o->at);
     if (o->threads) fprintf(out, " --threads %ld", o->threads);
     if (o->isa) fprintf(out, " --isa %s", o->isa);
 }
 
-static bool write_report(const cost_options *o, const sweep_result *all, daft_error *error)
+/* NULL: out of memory. The caller frees it. */
+static char *make_command(const cost_options *o, daft_error *error)
 {
     draft_file command;
-    if (!draft_open(&command, error)) return false;
+    if (!draft_open(&command, error)) return NULL;
     print_command(o, command.file);
-    bool good = fclose(command.file) == 0 || fail(error, DAFT_ERROR_MEMORY, "out of memory for a report");
-    report_def page = {all, o->what, command.bytes, o->out, o->budget, (int)o->threads};
-    good = good && report_write(&page, error);
+    if (fclose(command.file) == 0) return command.bytes;
+    fail(error, DAFT_ERROR_MEMORY, "out of memory for a report");
+    return NULL;
+}
+
+static bool write_report(const cost_options *o, const sweep_result *all, daft_error *error)
+{
+    char *command = make_command(o, error);
+    if (!command) return false;
+    const report_def page = {all, o->what, command, o->out, o->budget, (int)o->threads, o->no_pictures};
+    const bool good = report_write(&page, error);
     if (good) report_print(&page, stdout);
-    free(command.bytes);
+    free(command);
     return good;
 }
 
-static bool measure(const cost_options *o, daft_engine *engine, daft_scene *scene, const daft_view *view,
-                    daft_error *error)
+/* Where the report cannot be written, it is told before anything is measured. */
+static bool try_folder(const cost_options *o, daft_error *error)
+{
+    char path[PATH_SIZE];
+    if (!make_folder(o->out, error)) return false;
+    if (!path_join(path, sizeof path, o->out, "report.json"))
+        return fail(error, DAFT_ERROR_ARGUMENT, "%s: the path is too long", o->out);
+    daft_writer *writer = daft_writer_begin(path, error);
+    daft_writer_abandon(writer);
+    return writer != NULL;
+}
+
+/* Measures a scene, or a game at its moments. */
+static bool measure(const cost_options *o, const sweep_def *what, daft_error *error)
 {
     sweep_result all;
-    sweep_def def = {.engine = engine,
-                     .scene = scene,
-                     .view = *view,
-                     .width = o->size.width,
-                     .height = o->size.height,
-                     .seconds = o->quick ? QUICK_SECONDS : DEFAULT_SECONDS,
-                     .quick = o->quick};
-    def.view.quality = o->quality;
-    if (!make_folder(o->out, error) || !sweep_run(&all, &def, error)) return false;
-    bool good = write_report(o, &all, error);
+    sweep_def def = *what;
+    def.preset = o->quality;
+    def.width = o->size.width, def.height = o->size.height;
+    def.seconds = o->quick ? QUICK_SECONDS : DEFAULT_SECONDS;
+    def.quick = o->quick;
+    if (!try_folder(o, error) || !sweep_run(&all, &def, error)) return false;
+    const bool good = write_report(o, &all, error);
     sweep_free(&all);
     return good;
 }
@@ -89,27 +112,76 @@ static bool measure(const cost_options *o, daft_engine *engine, daft_scene *scen
 static bool cost_of_scene(const cost_options *o, daft_engine *engine, daft_error *error)
 {
     film_scene scene;
-    film_scene_def def = {engine, o->what, o->camera < 0 ? 0 : o->camera, DAFT_PACE_TIMED, o->quality};
+    film_scene_def def = {engine, o->what, o->camera < 0 ? 0 : o->camera, DAFT_PACE_TIMED, {.preset = o->quality}};
     if (!film_scene_open(&scene, &def, error)) return false;
-    bool good = measure(o, engine, scene.scene, &scene.view, error);
+    const bool good = measure(o, &(sweep_def){.engine = engine, .scene = scene.scene, .view = scene.view}, error);
     film_scene_close(&scene);
     return good;
 }
 
-/* Plays without drawing until `at` seconds, by default the middle of the demo, and measures there. */
+/* ---- games ------------------------------------------------------------------------------------------------------- */
+
+typedef struct game_moments {
+    const cost_options *o;
+    film_game *game;
+    daft_image *picture;
+    int count, now;
+    double seconds[SWEEP_MOMENTS];
+} game_moments;
+
+/* Spread over the demo; without one, over the first seconds. */
+static void choose_moments(game_moments *m)
+{
+    const double end = m->game->has_replay ? (double)m->game->replay.end / LOOP_RATE : PLAYED_SECONDS;
+    m->count = !isnan(m->o->at) ? 1 : m->o->quick ? QUICK_MOMENTS : SWEEP_MOMENTS;
+    for (int i = 0; i < m->count; i++)
+        m->seconds[i] = !isnan(m->o->at) ? m->o->at : floor((i + 0.5) / m->count * end * LOOP_RATE) / LOOP_RATE;
+}
+
+/* Plays without drawing until the next moment. */
+static bool go_on(void *user, daft_error *error)
+{
+    game_moments *m = user;
+    const double at = m->seconds[m->now++];
+    const frame_result result = m->game->source.draw(&m->game->source, at, false, m->picture, error);
+    if (result == FRAME_FAILED) return false;
+    return result == FRAME_DRAWN ||
+           fail(error, DAFT_ERROR_ARGUMENT, "%s: the game ends before %g s: nothing to measure", m->o->what, at);
+}
+
+static bool simulate(const cost_options *o, daft_scene *scene, game_moments *m, daft_error *error)
+{
+    sim_result all;
+    const sim_def def = {scene, m->count, go_on, m, o->quick ? QUICK_SECONDS : DEFAULT_SECONDS};
+    char *command = make_command(o, error);
+    bool good = command && try_folder(o, error) && sim_run(&all, &def, error);
+    const sim_report_def page = {&all, o->what, command, o->out, o->budget};
+    good = good && sim_write(&page, error);
+    if (good) sim_print(&page, stdout);
+    free(command);
+    return good;
+}
+
 static bool cost_in_game(const cost_options *o, daft_engine *engine, film_game *game, daft_error *error)
 {
-    double at = !isnan(o->at) ? o->at : game->has_replay ? (double)game->replay.end / LOOP_RATE / 2 : 1;
-    daft_image *picture = daft_image_create(engine, o->size.width, o->size.height, error);
-    if (!picture) return false;
-    frame_result result = game->source.draw(&game->source, at, false, picture, error);
-    daft_image_destroy(picture);
-    if (result == FRAME_FAILED) return false;
-    if (result == FRAME_NONE)
-        return fail(error, DAFT_ERROR_ARGUMENT, "%s: the game ends before %g s: nothing to measure", o->what, at);
-    daft_view view = daft_default_view();
-    view.camera = daft_scene_camera(game->play.scene, 1);
-    return measure(o, engine, game->play.scene, &view, error);
+    game_moments m = {.o = o, .game = game};
+    choose_moments(&m);
+    m.picture = daft_image_create(engine, o->size.width, o->size.height, error);
+    if (!m.picture) return false;
+    if (o->sim) {
+        const bool simulated = simulate(o, game->play.scene, &m, error);
+        daft_image_destroy(m.picture);
+        return simulated;
+    }
+    const sweep_def def = {.engine = engine,
+                           .scene = game->play.scene,
+                           .view = daft_default_view(),
+                           .moments = m.count,
+                           .next = go_on,
+                           .user = &m};
+    const bool good = measure(o, &def, error);
+    daft_image_destroy(m.picture);
+    return good;
 }
 
 /* With the game's demo, where it has one. */
@@ -136,7 +208,7 @@ static bool cost_of_game(const cost_options *o, daft_engine *engine, daft_error 
                      .source = &source,
                      .engine = engine,
                      .face = face,
-                     .quality = DAFT_QUALITY_GAME,
+                     .quality.preset = DAFT_PRESET_GAME,
                      .seed = 1};
     bool good = face && source_open(&source, &where, &info, error) && cost_of_found(o, &play, error);
     source_close(&source);
@@ -159,16 +231,19 @@ static int run(const cost_options *o)
 
 int command_cost(int argc, char **argv)
 {
-    cost_options o = {.out = "cost", .quality = DAFT_QUALITY_GAME, .budget = 16, .at = NAN, .camera = -1};
+    cost_options o = {.out = "cost", .quality = DAFT_PRESET_GAME, .budget = 16, .at = NAN, .camera = -1};
     const cli_option options[] = {
         {"budget", 0, CLI_NUMBER, "MS", &o.budget, 0, 60000, "milliseconds that a picture may take (16)"},
         {"output", 'o', CLI_TEXT, "DIR", &o.out, 0, 0, "the folder for the report (cost)"},
+        {"sim", 0, CLI_FLAG, NULL, &o.sim, 0, 0,
+         "of the game's simulation in place of its pictures: substeps and rates against 3,840 steps a second"},
         {"quick", 0, CLI_FLAG, NULL, &o.quick, 0, 0, "fewer combinations and a coarser reference, within 30 s"},
+        {"no-pictures", 0, CLI_FLAG, NULL, &o.no_pictures, 0, 0, "a page of plots and tables alone, of 100 KB"},
         {"size", 0, CLI_SIZE, "WxH", &o.size, 16, 1920, "size of the picture (640x360; quick: 320x180)"},
         {"quality", 'q', CLI_QUALITY, "Q", &o.quality, 0, 0,
          "the preset from which knobs differ: draft, game (default), high or reference"},
         {"camera", 0, CLI_COUNT, "N", &o.camera, 0, 1000000, "the N-th camera of the scene, counted from 0 (0)"},
-        {"at", 0, CLI_NUMBER, "S", &o.at, 0, 86400, "second of the game (the middle of its demo; without one, 1)"},
+        {"at", 0, CLI_NUMBER, "S", &o.at, 0, 86400, "one second of the game alone (moments of its demo)"},
         {"threads", 't', CLI_COUNT, "N", &o.threads, 0, 64,
          "worker threads; 0, the default, is one for each processor"},
         {"isa", 0, CLI_ISA, "X", &o.isa, 0, 0, "plain, sse2, avx2 or avx512; default: the best available"}};
@@ -177,6 +252,8 @@ int command_cost(int argc, char **argv)
     cli_outcome outcome = cli_parse(&COMMAND, options, COUNT_OF(options), argc, argv, operands, &count);
     if (outcome != CLI_READY) return outcome == CLI_HELPED ? STATUS_DONE : STATUS_BAD_USAGE;
     o.what = operands[0];
+    if (o.sim && has_extension(o.what, ".scene"))
+        return cli_refuse("cost", "--sim: a game expected, a scene has no bodies");
     if (o.size.width == 0) o.size = o.quick ? (cli_size){320, 180} : (cli_size){640, 360};
     if (!(o.budget > 0)) return cli_refuse("cost", "--budget: a number above 0 expected");
     return run(&o);

@@ -94,7 +94,8 @@ static const struct {
              {"sun", DAFT_STRUCT_LIGHT_DEF, DAFT_LIGHT_SUN},
              {"spot", DAFT_STRUCT_LIGHT_DEF, DAFT_LIGHT_SPOT},
              {"sphere", DAFT_STRUCT_ENTITY_DEF, DAFT_SHAPE_SPHERE},
-             {"mesh", DAFT_STRUCT_ENTITY_DEF, DAFT_SHAPE_MESH}};
+             {"mesh", DAFT_STRUCT_ENTITY_DEF, DAFT_SHAPE_MESH},
+             {"quality", DAFT_STRUCT_QUALITY, 0}};
 
 /* "light, sun, spot": the items whose kind uses the field. */
 static void list_items(daft_struct which, const daft_field *field, char *out, size_t size)

@@ -33,7 +33,7 @@ typedef struct play_options {
     long ticks, threads, shot_tick, seed;
     cli_size size;
     double scale, seconds;
-    daft_quality quality;
+    quality_wish quality;
     double target_ms;
     const char *saves;
     char kept[PATH_SIZE];  /* the folder of what games keep; empty: none */
@@ -53,13 +53,6 @@ typedef struct player {
     bool speaks; /* through a loudspeaker */
 } player;
 
-static const daft_quality NOT_GIVEN = (daft_quality)-1;
-
-static daft_quality quality_or(const play_options *o, daft_quality usual)
-{
-    return o->quality == NOT_GIVEN ? usual : o->quality;
-}
-
 static session_def base_session(const player *p)
 {
     const play_options *o = &p->options;
@@ -68,11 +61,11 @@ static session_def base_session(const player *p)
                          .where = &p->where,
                          .source = p->source.files ? &p->source : NULL,
                          .face = p->face,
-                         .quality = quality_or(o, DAFT_QUALITY_GAME),
+                         .quality = o->quality,
                          .scale = o->scale,
-                         .target_ms = o->target_ms >= 0         ? o->target_ms
-                                      : o->quality == NOT_GIVEN ? -1
-                                                                : 0,
+                         .target_ms = o->target_ms >= 0                       ? o->target_ms
+                                      : o->quality.preset == QUALITY_OF_SCENE ? -1
+                                                                              : 0,
                          .saves = o->kept[0] ? o->kept : NULL,
                          .costs = o->costs[0] ? o->costs : NULL,
                          .pauses = !p->screen->headless,
@@ -201,7 +194,9 @@ static int play_demo(player *p, const char *why)
         return report(&error);
     def.progress = true;
     if (!def.hash && !def.every_frame)
-        def.quality = quality_or(&p->options, DAFT_QUALITY_HIGH); /* only one frame is drawn */
+        def.quality.preset = p->options.quality.preset == QUALITY_OF_SCENE ? DAFT_PRESET_HIGH /* only one frame is drawn
+                                                                                               */
+                                                                           : p->options.quality.preset;
     if (!def.shot) def.shot = DEMO_PICTURE, def.shot_tick = 0;
     if (!seal(p, &def)) return STATUS_BAD_INPUT;
     uint64_t began = clock_now_ns();
@@ -265,7 +260,7 @@ int command_play(int argc, char **argv)
                             .scale = 1,
                             .memory = HOST_MEMORY,
                             .seconds = WATCHDOG_SECONDS,
-                            .quality = NOT_GIVEN,
+                            .quality.preset = QUALITY_OF_SCENE,
                             .target_ms = -1,
                             .seed = 1}};
     play_options *o = &p.options;
@@ -286,7 +281,10 @@ int command_play(int argc, char **argv)
          "in a window: what a frame may take, by less exact pictures where it must be; 0: any (what the game asks for, "
          "or "
          "16.7; with --quality: any)"},
-        {"quality", 'q', CLI_QUALITY, "Q", &o->quality, 0, 0, "draft, game (default), high or reference"},
+        {"quality", 'q', CLI_QUALITY, "Q", &o->quality.preset, 0, 0,
+         "draft, game, high or reference (what the game asks for, or game)"},
+        {"knobs", 'k', CLI_KNOBS, "LIST", &o->quality.knobs, 0, 0,
+         "replace single values of the quality: samples=4,shadows=0"},
         {"threads", 't', CLI_COUNT, "N", &o->threads, 0, 64,
          "worker threads; 0, the default, is one for each processor"},
         {"isa", 0, CLI_ISA, "X", &o->isa, 0, 0, "plain, sse2, avx2 or avx512; default: the best available"},

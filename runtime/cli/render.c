@@ -1,11 +1,12 @@
 /* daft render: renders one picture of a scene or a mesh, and prints its cost. */
 #include "cli/commands.h"
 
-#include "accuracy/knobs.h"
+#include "accuracy/sweep.h"
 #include "channels/channels.h"
 #include "cli/cli.h"
 #include "cli/terminal.h"
 #include "common/progress.h"
+#include "common/quality.h"
 #include "common/showcase.h"
 #include "common/stats.h"
 #include "common/util.h"
@@ -31,16 +32,18 @@ static const cli_command COMMAND = {
     1,
     1};
 
+#define AS_IT_IS ((daft_intersection)-1)
+
 typedef struct render_options {
-    const char *scene, *out, *isa, *stats, *knob_list;
-    knob_set knobs;
+    const char *scene, *out, *isa, *stats;
+    quality_wish quality;
+    daft_intersection intersection; /* instead of the quality's; AS_IT_IS: none */
     daft_accel accel;
     cli_size size;
-    daft_quality quality;
     long camera, threads, repeat;
     many *all; /* NULL: this process alone */
     uint64_t memory;
-    bool camera_given, explain, term, reuse;
+    bool camera_given, explain, term, reuse, wrong;
     terminal_kind terminal;
     const char *aov_list;
     channel_set aov;
@@ -76,7 +79,7 @@ static bool go_along_path(daft_scene *scene, const render_options *o, daft_view 
     bool good = true;
     for (uint32_t i = 0; good && i < count; i++) good = daft_scene_get_checkpoint(scene, i, &points[i], error);
     daft_view before = *view;
-    before.quality = DAFT_QUALITY_DRAFT, before.aov = (daft_aov){0};
+    before.quality = daft_preset_quality(DAFT_PRESET_DRAFT), before.aov = (daft_aov){0};
     daft_image *pixel = good ? daft_image_create(o->engine, 1, 1, error) : NULL;
     good = pixel &&
            daft_path_camera(points, count, DAFT_PACE_TIMED, fmax(0, o->at - 1.0 / 60), &before.camera, error) &&
@@ -99,9 +102,37 @@ static bool show_progress(void *user, float done)
     return true;
 }
 
+/* The scene's, a snapshot's or a preset's, and over it what the command line says. */
+static bool choose_quality(const daft_scene *scene, const render_options *o, daft_quality *out, daft_error *error)
+{
+    if (!o->again || o->quality.preset != QUALITY_OF_SCENE)
+        *out = quality_choose(&o->quality, scene);
+    else if (o->quality.knobs && !quality_parse(o->quality.knobs, out, error))
+        return false;
+    if (o->intersection != AS_IT_IS) out->visibility = o->intersection;
+    return true;
+}
+
+/* Red dots over what the cheaper visibility gets wrong. */
+static bool mark_wrong(const render_options *o, daft_scene *scene, const daft_view *view, daft_image *image,
+                       daft_error *error)
+{
+    const int width = o->size.width, height = o->size.height;
+    size_t count;
+    uint8_t *mask = calloc((size_t)width, (size_t)height);
+    if (!mask) return fail(error, DAFT_ERROR_MEMORY, "out of memory for wrong pixels");
+    const bool good = wrong_find(o->engine, scene, view, width, height, mask, &count, error);
+    if (good) wrong_paint(mask, width, height, daft_image_pixels(image));
+    if (good)
+        fprintf(stderr, "daft: %zu of %d pixels see another triangle than with visibility=exact\n", count,
+                width * height);
+    free(mask);
+    return good;
+}
+
 static bool render(daft_scene *scene, const render_options *o, daft_image *image, frame_times *times, daft_error *error)
 {
-    daft_view view = o->knobs.view;
+    daft_view view = o->again ? o->again->view : daft_default_view();
     bool is_mesh = showcase_is_mesh(o->scene);
     double aspect = (double)o->size.height / (double)o->size.width;
     if (is_mesh ? !showcase_mesh(scene, o->scene, aspect, &view.camera, error)
@@ -111,7 +142,7 @@ static bool render(daft_scene *scene, const render_options *o, daft_image *image
     if (is_mesh && o->camera_given && o->camera > 0)
         return fail(error, DAFT_ERROR_ARGUMENT, "--camera %ld: a mesh by itself has one camera, 0", o->camera);
     if (o->again && !o->camera_given) view.camera = o->again->view.camera;
-    view.quality = o->quality;
+    if (!choose_quality(scene, o, &view.quality, error)) return false;
     view.aov = o->aov.arrays;
     view.history = o->history, view.full = !o->reuse;
     if (o->at >= 0 && !go_along_path(scene, o, &view, error)) return false;
@@ -130,7 +161,7 @@ static bool render(daft_scene *scene, const render_options *o, daft_image *image
         frame_times_add(times, daft_scene_counters(scene)->frame_ms, daft_scene_counters(scene));
     }
     progress_end(&progress.bar);
-    return good;
+    return good && (!o->wrong || mark_wrong(o, scene, &view, image, error));
 }
 
 static bool write(const render_options *o, daft_engine *engine, daft_image *image, daft_scene *scene,
@@ -185,7 +216,8 @@ static void choose_size(render_options *o)
     o->size = o->out ? (cli_size){1280, 720} : terminal_size(o->terminal);
 }
 
-static const render_options DEFAULTS = {.quality = DAFT_QUALITY_GAME, .camera = -1, .repeat = 1, .at = -1};
+static const render_options DEFAULTS = {
+    .quality.preset = QUALITY_OF_SCENE, .intersection = AS_IT_IS, .camera = -1, .repeat = 1, .at = -1};
 
 /* Options that the command line does not name stay as they are. */
 static cli_outcome parse(render_options *o, int argc, char **argv)
@@ -193,11 +225,12 @@ static cli_outcome parse(render_options *o, int argc, char **argv)
     const cli_option options[] = {
         {"output", 'o', CLI_TEXT, "IMG", &o->out, 0, 0, "the picture to write: .png, .ppm or .exr (required)"},
         {"size", 0, CLI_SIZE, "WxH", &o->size, 1, 16384, "size of the picture (1280x720)"},
-        {"quality", 'q', CLI_QUALITY, "Q", &o->quality, 0, 0, "draft, game (default), high or reference"},
-        {"knobs", 'k', CLI_TEXT, "LIST", &o->knob_list, 0, 0,
+        {"quality", 'q', CLI_QUALITY, "Q", &o->quality.preset, 0, 0,
+         "draft, game, high or reference (what the scene asks for, or game)"},
+        {"knobs", 'k', CLI_KNOBS, "LIST", &o->quality.knobs, 0, 0,
          "replace single values of the quality: samples=4,shadows=0,mirror_depth=1"},
-        {"intersect", 0, CLI_INTERSECT, "HOW", &o->knobs.view.intersection, 0, 0,
-         "ray-triangle test: exact (default), watertight or fast"},
+        {"intersect", 0, CLI_INTERSECT, "HOW", &o->intersection, 0, 0,
+         "the knob `visibility` by itself: exact (default), watertight or fast"},
         {"camera", 0, CLI_COUNT, "N", &o->camera, 0, 1000000, "the N-th camera of the file, counted from 0 (0)"},
         {"threads", 't', CLI_COUNT, "N", &o->threads, 0, 64,
          "worker threads; 0, the default, is one for each processor"},
@@ -213,6 +246,8 @@ static cli_outcome parse(render_options *o, int argc, char **argv)
         {"at", 0, CLI_NUMBER, "SECONDS", &o->at, 0, 86400, "the camera on the scene's path at this time"},
         {"term", 0, CLI_FLAG, NULL, &o->term, 0, 0,
          "show the picture in this terminal, as it can: kitty's protocol, sixels, half blocks"},
+        {"wrong", 0, CLI_FLAG, NULL, &o->wrong, 0, 0,
+         "red dots over pixels that see another triangle than with visibility=exact; counts them"},
         {"explain", 0, CLI_FLAG, NULL, &o->explain, 0, 0,
          "print the plan: each effect, why it ran or not, rays, milliseconds"},
         {"stats", 0, CLI_TEXT, "FILE", &o->stats, 0, 0, "write times and counters as JSON; - is stdout"},
@@ -232,8 +267,6 @@ static bool take_snapshot(render_options *o, shot *again, int argc, char **argv,
     if (!shot_read(again, o->scene, error)) return false;
     *o = DEFAULTS;
     o->again = again;
-    o->knobs = (knob_set){again->view, 1};
-    o->quality = again->view.quality;
     o->size = (cli_size){again->width, again->height};
     parse(o, argc, argv);
     o->scene = again->scene;
@@ -246,7 +279,6 @@ int command_render(int argc, char **argv)
     shot again;
     daft_error wrong;
     render_options o = DEFAULTS;
-    o.knobs = (knob_set){daft_default_view(), 1};
     cli_outcome outcome = parse(&o, argc, argv);
     if (outcome != CLI_READY) return outcome == CLI_HELPED ? STATUS_DONE : STATUS_BAD_USAGE;
     if (has_extension(o.scene, ".json") && !take_snapshot(&o, &again, argc, argv, &wrong)) return report(&wrong);
@@ -258,8 +290,6 @@ int command_render(int argc, char **argv)
     if (!has_extension(o.scene, ".scene") && !showcase_is_mesh(o.scene) && path_is_file(o.scene))
         return cli_refuse("render", "'%s' is neither a .scene nor a mesh (.obj, .gltf, .fbx, ...)", o.scene);
     choose_size(&o);
-    if (o.knob_list && !knobs_parse(o.knob_list, &o.knobs, &wrong)) return cli_refuse("render", "%s", wrong.message);
-    if (o.knobs.scale != 1) return cli_refuse("render", "knob scale: of what a window shows; here --size says it");
     if (o.aov_list && !channels_parse(o.aov_list, &o.aov, &wrong)) return cli_refuse("render", "%s", wrong.message);
     if (o.aov.wanted[CHANNEL_MOTION] && o.at < 0)
         return cli_refuse("render",
@@ -274,8 +304,8 @@ int command_render(int argc, char **argv)
     def.accel = o.accel;
     def.memory_limit = o.memory;
     daft_error error;
-    if (many_started() && (o.stats || o.explain || o.repeat > 1))
-        return cli_refuse("render", "--stats, --explain and --repeat are for one process, without mpirun");
+    if (many_started() && (o.stats || o.explain || o.wrong || o.repeat > 1))
+        return cli_refuse("render", "--stats, --explain, --wrong and --repeat are for one process, without mpirun");
     if (many_started() && !(o.all = many_join(&error))) return report(&error);
     bool good = run(&def, &o, &error);
     if (!good && o.all) many_drop_out(o.all, &error);

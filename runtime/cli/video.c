@@ -31,7 +31,7 @@ enum { STILL_SECONDS = 5, GAME_SECONDS = 10, DEFAULT_CRF = 18, GIF_FPS = 25, FPS
 typedef struct video_options {
     const char *what, *out, *replay, *isa;
     cli_size size;
-    daft_quality quality;
+    quality_wish quality;
     double fps, from, to, seconds;
     long blur, crf, camera, threads, seed;
     const char *pace_name;
@@ -61,8 +61,9 @@ static uint64_t hash_content(const char *path)
 
 static uint64_t hash_settings(const video_options *o, const char *replay, const char *path)
 {
-    long numbers[4] = {(long)o->quality, o->camera, o->seed, (long)o->pace};
+    long numbers[4] = {(long)o->quality.preset, o->camera, o->seed, (long)o->pace};
     uint64_t hash = daft_hash(numbers, sizeof numbers, hash_content(path));
+    if (o->quality.knobs) hash = daft_hash(o->quality.knobs, strlen(o->quality.knobs), hash);
     return replay ? hash ^ hash_content(replay) : hash;
 }
 
@@ -220,7 +221,7 @@ int command_video(int argc, char **argv)
 {
     many_hush();
     video_options o = {.size = {1280, 720},
-                       .quality = DAFT_QUALITY_HIGH,
+                       .quality.preset = DAFT_PRESET_HIGH,
                        .fps = NAN,
                        .to = NAN,
                        .blur = 1,
@@ -233,7 +234,9 @@ int command_video(int argc, char **argv)
         {"replay", 0, CLI_TEXT, "FILE", &o.replay, 0, 0, "the recording that the game plays (its demo)"},
         {"fps", 0, CLI_NUMBER, "N", &o.fps, 1, 240, "frames a second (60; GIF: 25)"},
         {"size", 0, CLI_SIZE, "WxH", &o.size, 16, 8192, "size of the picture (1280x720)"},
-        {"quality", 'q', CLI_QUALITY, "Q", &o.quality, 0, 0, "draft, game, high (default) or reference"},
+        {"quality", 'q', CLI_QUALITY, "Q", &o.quality.preset, 0, 0, "draft, game, high (default) or reference"},
+        {"knobs", 'k', CLI_KNOBS, "LIST", &o.quality.knobs, 0, 0,
+         "replace single values of the quality: samples=4,shadows=0"},
         {"from", 0, CLI_NUMBER, "S", &o.from, 0, 86400, "begin at second S of the game or scene (0)"},
         {"to", 0, CLI_NUMBER, "S", &o.to, 0, 86400,
          "end at second S (the end of the recording or the path; without one, 10 of a game, 5 of a scene)"},

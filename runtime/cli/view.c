@@ -2,6 +2,7 @@
 #include "cli/commands.h"
 
 #include "cli/cli.h"
+#include "common/quality.h"
 #include "common/util.h"
 #include "view/view.h"
 
@@ -10,7 +11,7 @@
 typedef struct view_options {
     const char *path, *isa;
     cli_size size, snapshot;
-    daft_quality quality;
+    quality_wish quality;
     long threads, camera;
     uint64_t memory;
 } view_options;
@@ -63,11 +64,13 @@ int command_view(int argc, char **argv)
         view_keys_text(keys, sizeof keys),
         1,
         1};
-    view_options o = {.size = {1280, 720}, .quality = DAFT_QUALITY_GAME, .camera = -1};
+    view_options o = {.size = {1280, 720}, .quality.preset = QUALITY_OF_SCENE, .camera = -1};
     const cli_option options[] = {
         {"size", 0, CLI_SIZE, "WxH", &o.size, 180, 8192, "size of the window (1280x720)"},
-        {"quality", 'q', CLI_QUALITY, "Q", &o.quality, 0, 0,
-         "of the picture while the camera moves: draft, game (default), high or reference"},
+        {"quality", 'q', CLI_QUALITY, "Q", &o.quality.preset, 0, 0,
+         "of the picture while the camera moves: draft, game, high or reference (what the scene asks for, or game)"},
+        {"knobs", 'k', CLI_KNOBS, "LIST", &o.quality.knobs, 0, 0,
+         "replace single values of that quality: samples=4,shadows=0"},
         {"camera", 0, CLI_COUNT, "N", &o.camera, 0, 1000000,
          "begin at the N-th camera of the file, counted from 0 (0)"},
         {"snapshot", 0, CLI_SIZE, "WxH", &o.snapshot, 16, 16384, "size of snapshots and films (the window's)"},

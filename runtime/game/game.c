@@ -188,14 +188,14 @@ static bool keep_drawing(void *user, float unused)
 static bool render(game_state *state, daft_image *picture, float alpha)
 {
     static const char name[] = "drawing one picture";
-    /* Pictures of the high qualities are for files: they may take so many times as long. */
-    double factor = state->def.quality >= DAFT_QUALITY_HIGH ? 12 : 1;
     daft_view view = daft_default_view();
     view.camera = daft_scene_camera(state->scene, alpha);
     view.alpha = alpha;
-    view.quality = state->def.quality;
+    view.quality = quality_choose(&state->def.quality, state->scene);
     view.history = state->def.history;
     governor_apply(state->def.governor, &view);
+    /* Pictures of many samples are for files: they may take so many times as long. */
+    const double factor = view.quality.samples > 1 ? 12 : 1;
     view.progress = keep_drawing;
     view.progress_user = state->scripts.dog;
     daft_error error;

@@ -9,6 +9,7 @@
 #ifndef RUNTIME_GAME_GAME_H
 #define RUNTIME_GAME_GAME_H
 
+#include "common/quality.h"
 #include "files/source.h"
 #include "lua/host.h"
 #include "game/governor.h"
@@ -22,7 +23,7 @@ typedef struct game_def {
     const game_source *source; /* its files; must outlive the game. NULL: game_open opens them */
     daft_engine *engine;       /* loads from the game's files until game_close */
     font *face;
-    daft_quality quality;
+    quality_wish quality; /* QUALITY_OF_SCENE: what the game asks for */
     uint64_t seed;
     recording *replay;        /* or NULL; must outlive the game */
     recorder *record;         /* or NULL; must outlive the game */

@@ -142,6 +142,13 @@ void governor_apply(const governor *g, daft_view *view)
 {
     if (!g) return;
     const governor_rung *rung = &RUNGS[g->rung];
-    view->edge_samples = rung->edge_samples, view->mirror_depth = rung->mirror_depth;
-    if (!rung->sampled) view->shadow_samples = view->occlusion_samples = view->glossy_samples = 0;
+    daft_quality *q = &view->quality;
+    if (g->rung > FULL) {
+        if (q->samples == 1 && q->edge_samples < rung->edge_samples) q->edge_samples = rung->edge_samples;
+        if (q->mirror_depth < rung->mirror_depth) q->mirror_depth = rung->mirror_depth;
+    }
+    if (g->rung >= FULL) return;
+    if (q->edge_samples > rung->edge_samples) q->edge_samples = rung->edge_samples;
+    if (q->mirror_depth > rung->mirror_depth) q->mirror_depth = rung->mirror_depth;
+    if (!rung->sampled) q->shadow_samples = q->occlusion_samples = q->glossy_samples = 0;
 }

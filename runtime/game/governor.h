@@ -16,7 +16,7 @@ enum { GOVERNOR_RUNGS = 8, GOVERNOR_FRAMES = 60 };
 typedef struct governor_rung {
     const char *name;
     double scale;     /* sides of the picture, relative to what is shown */
-    int edge_samples; /* as in daft_view */
+    int edge_samples; /* as in daft_quality */
     int mirror_depth;
     bool sampled; /* soft shadows, ambient occlusion and rough mirrors */
 } governor_rung;
@@ -46,7 +46,7 @@ bool governor_frame(governor *g, double work_ms, double turn_ms);
 /* The 95th percentile of the last frames on this rung, at most GOVERNOR_FRAMES, but for those that are slow for another
  * reason than their picture; 0 before the first. */
 double governor_slow_ms(const governor *g);
-/* Replaces the view's knobs; draws in full where `g` is NULL. */
+/* Lowers the view's knobs to the rung's, or raises them above the quality itself; leaves them where `g` is NULL. */
 void governor_apply(const governor *g, daft_view *view);
 
 #endif

@@ -16,7 +16,7 @@ typedef struct session_def {
     const home *where;
     const game_source *source; /* the game's files; NULL: the session opens them */
     font *face;
-    daft_quality quality;
+    quality_wish quality;
     double scale;     /* resolution of the picture relative to the window */
     double target_ms; /* that a frame may take, by pictures that cost less; 0: any; below 0: as the game says, or 1/60 s
                        */

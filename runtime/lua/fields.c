@@ -194,6 +194,7 @@ static bool push_field(lua_State *L, const daft_field *field, const char *value)
     char text[64];
     switch (field->type) {
     case DAFT_FIELD_BOOL: memcpy(&on, at, sizeof on), lua_pushboolean(L, on); return true;
+    case DAFT_FIELD_INT:
     case DAFT_FIELD_UINT: memcpy(&whole, at, sizeof whole), lua_pushinteger(L, (lua_Integer)whole); return true;
     case DAFT_FIELD_FLOAT: memcpy(&number, at, sizeof number), lua_pushnumber(L, (double)number); return true;
     case DAFT_FIELD_CHOICE: lua_pushstring(L, daft_field_print(field, value, text, sizeof text)); return true;
@@ -221,10 +222,10 @@ void api_push_struct(lua_State *L, daft_struct which, const void *value)
 
 /* ---- the reference ---- */
 
-static const api_form *const FORMS[] = {&api_entity_form,    &api_collider_form, &api_joint_form,   &api_surfaces_form,
-                                        &api_character_form, &api_filter_form,   &api_picture_form, &api_material_form,
-                                        &api_sun_form,       &api_point_form,    &api_spot_form,    &api_camera_form,
-                                        &api_checkpoint_form};
+static const api_form *const FORMS[] = {&api_entity_form,     &api_collider_form, &api_joint_form,   &api_surfaces_form,
+                                        &api_character_form,  &api_filter_form,   &api_picture_form, &api_material_form,
+                                        &api_sun_form,        &api_point_form,    &api_spot_form,    &api_camera_form,
+                                        &api_checkpoint_form, &api_quality_form};
 
 const api_form *const *api_forms(size_t *count)
 {
@@ -262,6 +263,11 @@ static void value_text(const daft_field *field, char *out, size_t size)
     if (field->type == DAFT_FIELD_CHOICE) return;
     used = (size_t)snprintf(out, size, "%s", type_text(field));
     if (field->unit && used < size) used += (size_t)snprintf(out + used, size - used, ", %s", field->unit);
+    if (field->value_count > 0 && used < size) {
+        char range[64];
+        snprintf(out + used, size - used, ", %s", daft_field_range(field, range, sizeof range));
+        return;
+    }
     bool limited = (field->min != 0 || field->max != 0) && field->type != DAFT_FIELD_COLOR;
     if (!limited || used >= size) return;
     bool above = field->min == (double)FLT_TRUE_MIN;

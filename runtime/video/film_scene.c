@@ -39,9 +39,11 @@ static bool load(film_scene *self, const film_scene_def *def, daft_error *error)
 bool film_scene_open(film_scene *self, const film_scene_def *def, daft_error *error)
 {
     *self = (film_scene){.source = {.draw = draw, .any_order = true}, .view = daft_default_view(), .pace = def->pace};
-    self->view.quality = def->quality;
     self->scene = daft_scene_create(def->engine, error);
-    if (self->scene && load(self, def, error)) return true;
+    if (self->scene && load(self, def, error)) {
+        self->view.quality = quality_choose(&def->quality, self->scene);
+        return true;
+    }
     film_scene_close(self);
     return false;
 }

@@ -2,6 +2,7 @@
 #ifndef RUNTIME_VIDEO_FILM_SCENE_H
 #define RUNTIME_VIDEO_FILM_SCENE_H
 
+#include "common/quality.h"
 #include "video/source.h"
 
 typedef struct film_scene {
@@ -19,7 +20,7 @@ typedef struct film_scene_def {
     const char *path;
     long camera; /* of the file's cameras, from 0; below 0: the path, or the first where there is none */
     daft_pace pace;
-    daft_quality quality;
+    quality_wish quality;
 } film_scene_def;
 
 /* Loads the file. On failure nothing is left open. */

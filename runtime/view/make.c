@@ -77,8 +77,8 @@ static bool describe(const viewer *v, bool film, job_def *out, daft_error *error
                      .memory_limit = daft_engine_memory(v->def->engine).limit};
     view_look look = v->look;
     look.camera = v->flight.camera;
-    look.quality = film ? DAFT_QUALITY_HIGH : DAFT_QUALITY_REFERENCE;
-    draw_set_view(&look, &out->view);
+    look.quality = (quality_wish){.preset = film ? DAFT_PRESET_HIGH : DAFT_PRESET_REFERENCE};
+    draw_set_view(&look, NULL, &out->view);
     snprintf(out->scene, sizeof out->scene, "%s", v->content.path);
     choose(v, &out->width, &out->height);
     if (film) out->points = v->route.points, out->count = v->route.count;

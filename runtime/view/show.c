@@ -93,11 +93,13 @@ static void describe_quality(const viewer *v, char out[VIEW_TEXT])
         snprintf(out, VIEW_TEXT, "reference");
     else if (wrong >= 0)
         snprintf(out, VIEW_TEXT, "%d %% of %s   error left %.2f %%", 100 * row / height,
-                 daft_quality_name(refine_quality(&v->refinement)), 100 * wrong);
+                 daft_preset_name(refine_quality(&v->refinement)), 100 * wrong);
     else if (v->refinement.pass > 0)
         snprintf(out, VIEW_TEXT, "high");
     else
-        snprintf(out, VIEW_TEXT, "%s   %.1f ms", daft_quality_name(v->look.quality), v->frame_ms);
+        snprintf(out, VIEW_TEXT, "%s   %.1f ms",
+                 v->look.quality.preset == QUALITY_OF_SCENE ? "game" : daft_preset_name(v->look.quality.preset),
+                 v->frame_ms);
 }
 
 bool viewer_project(const viewer *v, daft_dvec3 point, float *x, float *y)

@@ -9,6 +9,7 @@
 #ifndef RUNTIME_VIEW_VIEW_H
 #define RUNTIME_VIEW_VIEW_H
 
+#include "common/quality.h"
 #include "hud/canvas.h"
 #include "platform/platform.h"
 
@@ -18,7 +19,7 @@ typedef struct view_def {
     font *face;
     const char *path;                    /* a .scene, an .obj, or a picture */
     long camera;                         /* of the file's cameras, from 0; below 0: the first */
-    daft_quality quality;                /* while the camera moves */
+    quality_wish quality;                /* while the camera moves */
     int snapshot_width, snapshot_height; /* 0: the window's */
 } view_def;
 

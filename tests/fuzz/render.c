@@ -300,8 +300,8 @@ static void draw(player *p, bool reference, seen *out)
     daft_image *picture = daft_image_create(p->engine, WIDTH, HEIGHT, &error);
     daft_view view = daft_default_view();
     view.camera = daft_scene_camera(p->scene, 1);
-    view.quality = DAFT_QUALITY_GAME;
-    view.reference = reference;
+    view.quality = daft_preset_quality(DAFT_PRESET_GAME);
+    view.quality.tree = reference ? DAFT_TREE_BVH : DAFT_TREE_RASTER;
     view.aov = (daft_aov){.depth = out->depth, .normal = out->normal, .entity = out->entity, .triangle = out->triangle};
     FUZZ_CHECK(picture && daft_render(p->scene, &view, picture, &error));
     add_to_digest(p, daft_image_pixels(picture), 4 * PIXELS);

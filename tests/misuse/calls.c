@@ -168,7 +168,7 @@ static daft_struct give_daft_struct(caller *c)
         return (type)VALUES[choose(c, COUNT_OF(VALUES))];                                                              \
     }
 GIVE_ENUM(daft_accel)
-GIVE_ENUM(daft_quality)
+GIVE_ENUM(daft_preset)
 GIVE_ENUM(daft_intersection)
 GIVE_ENUM(daft_pace)
 
@@ -415,6 +415,12 @@ static const daft_surfaces *give_const_daft_surfaces_p(caller *c)
     return give_struct(c, DAFT_STRUCT_SURFACES, &together, true);
 }
 
+static const daft_quality *give_const_daft_quality_p(caller *c)
+{
+    const daft_quality quality = daft_preset_quality(DAFT_PRESET_DRAFT);
+    return give_struct(c, DAFT_STRUCT_QUALITY, &quality, false);
+}
+
 static const daft_view *give_const_daft_view_p(caller *c)
 {
     daft_view view = daft_default_view();
@@ -592,7 +598,7 @@ static const char *good_text(caller *c)
     if (is_function(c, "daft_files_find")) return "room.scene";
     if (is_function(c, "daft_files_list")) return ".";
     if (is_function(c, "daft_accel_parse")) return "kdtree";
-    if (is_function(c, "daft_quality_parse")) return "high";
+    if (is_function(c, "daft_preset_parse")) return "high";
     if (is_function(c, "daft_intersection_parse")) return "fast";
     return is_function(c, "daft_field_parse") ? "0.25" : "color";
 }
@@ -639,8 +645,9 @@ static void *room_or_null(caller *c, verdict null)
         return room_or_null(c, null);                                                                                  \
     }
 GIVE_ROOM(daft_accel, VERDICT_WRONG)
-GIVE_ROOM(daft_quality, VERDICT_WRONG)
+GIVE_ROOM(daft_preset, VERDICT_WRONG)
 GIVE_ROOM(daft_intersection, VERDICT_WRONG)
+GIVE_ROOM(daft_sim_measure, VERDICT_WRONG)
 GIVE_ROOM(daft_mesh_info, VERDICT_WRONG)
 GIVE_ROOM(daft_mesh_report, VERDICT_WRONG)
 GIVE_ROOM(daft_material_def, VERDICT_WRONG)
@@ -763,6 +770,7 @@ TOOK_VALUE(daft_collider)
 TOOK_VALUE(daft_entity_def)
 TOOK_VALUE(daft_joint_def)
 TOOK_VALUE(daft_light_def)
+TOOK_VALUE(daft_quality)
 TOOK_VALUE(daft_view)
 TOOK_VALUE(daft_query_filter)
 TOOK_VALUE(daft_volume)

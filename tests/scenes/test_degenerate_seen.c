@@ -114,7 +114,7 @@ static void what_is_seen_spoils_nothing_before_it(void **unused)
     for (size_t i = 0; i < SEEN_COUNT; i++) {
         stage *s = stage_make();
         SEEN[i].add(s);
-        free(draw(s, DAFT_QUALITY_DRAFT));
+        free(draw(s, DAFT_PRESET_DRAFT));
         int warnings = s->warnings;
         assert_true(warnings <= 3);
         for (int q = 0; q < QUALITY_COUNT; q++) {
@@ -205,7 +205,7 @@ static void bad_triangles_leave_their_mesh_alone(void **unused)
         assert_int_equal(s->warnings, with);
         add(s, thing(mesh, daft_dv3(3.5, 0, 0)));
         light(s, DAFT_LIGHT_POINT, daft_dv3(1, 2, -1), daft_v3(0, 0, 0), 0.6f);
-        pictures[with] = draw(s, DAFT_QUALITY_HIGH);
+        pictures[with] = draw(s, DAFT_PRESET_HIGH);
         assert_picture_sound("barrel", pictures[with]);
         stage_drop(s);
     }
@@ -328,7 +328,7 @@ static void normals_face_the_viewer(void **unused)
         def.scale = scales[i];
         add(s, def);
         light(s, DAFT_LIGHT_POINT, daft_dv3(0, 0, 0), daft_v3(0, -1, 0), 0.5f);
-        picture *p = draw(s, DAFT_QUALITY_GAME);
+        picture *p = draw(s, DAFT_PRESET_GAME);
         size_t middle = HEIGHT / 2 * WIDTH + WIDTH / 2;
         assert_true(p->normal[middle].x < -0.999f);
         assert_true(p->pixels[4 * middle] > 150);

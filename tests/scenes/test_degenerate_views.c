@@ -25,7 +25,7 @@ static void sizes_and_angles_at_their_ends(void **unused)
         view.camera = daft_camera_look_at(daft_dv3(0, 0, 0), daft_dv3(5, 0, 1.5), cases[i].fov);
         view.aov = (daft_aov){.depth = depth, .normal = normal, .entity = entity};
         for (int q = 0; q < QUALITY_COUNT; q++) {
-            view.quality = QUALITIES[q];
+            view.quality = daft_preset_quality(QUALITIES[q]);
             if (!daft_render(s->scene, &view, image, &error)) fail_msg("%s", error.message);
             char name[64];
             snprintf(name, sizeof name, "%d x %d, %g radians", cases[i].width, cases[i].height, (double)cases[i].fov);

@@ -182,10 +182,10 @@ static void like_the_reference(void **unused)
     (void)unused;
     for (size_t k = 0; k < DAFT_COUNT_OF(SCENES); k++) {
         stage *s = scene_load(&SCENES[k], NULL, 2);
-        s->view.reference = true, s->view.edge_samples = 16;
+        s->view.quality.tree = DAFT_TREE_BVH, s->view.quality.edge_samples = 16;
         draw(s);
         picture reference = picture_take(s);
-        s->view.reference = false;
+        s->view.quality.tree = DAFT_TREE_RASTER;
         draw(s);
         if (others_seen(&reference, s))
             fail_msg("%s: %d pixels see something else", SCENES[k].name, others_seen(&reference, s));

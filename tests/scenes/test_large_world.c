@@ -93,7 +93,7 @@ static stage *scene_at(const place *w)
 static void compare(const picture *home, const place *w, bool reference, const char *what)
 {
     stage *s = scene_at(w);
-    s->view.reference = reference;
+    s->view.quality.tree = reference ? DAFT_TREE_BVH : DAFT_TREE_RASTER;
     draw(s);
     int wrong = far_apart(home, s), others = others_seen(home, s);
     print_message("%s%s: %d pixels of %d differ by more than a step, %d see something else\n", what,

@@ -58,7 +58,7 @@ static void pane_shifts_by_snell(void **unused)
         add(s, box(daft_dv3(wall + 0.5, 0, (i + 0.5) * stripe), daft_v3(1, 100, (float)stripe),
                    glowing(s, i % 2 ? BLACK : WHITE)));
     add(s, box(daft_dv3(2 + thick / 2, 0, 0), daft_v3((float)thick, 100, 100), glass(s, (float)index, WHITE)));
-    s->view.camera.fov = 1.8f, s->view.quality = DAFT_QUALITY_DRAFT;
+    s->view.camera.fov = 1.8f, s->view.quality = daft_preset_quality(DAFT_PRESET_DRAFT);
     const daft_counters *c = draw(s);
     assert_true(c->refraction_rays == 2 * WIDTH * HEIGHT && c->effects[DAFT_EFFECT_REFRACTION].ran);
     int looked = 0, wrong = 0, moved = 0;
@@ -196,7 +196,7 @@ static void compare_with_tracer(stage *s, const world *w, const char *what)
         add(s, sphere(b->centre, (float)b->radius,
                       b->index > 0 ? glass(s, (float)b->index, b->color) : glowing(s, b->color)));
     }
-    s->view.samples = 1;
+    s->view.quality.edge_samples = 0;
     draw(s);
     int looked = 0, far_off = 0;
     for (int i = 0; i < s->pixels; i++) {
@@ -245,16 +245,16 @@ static void balls_among_balls(void **unused)
         {{7, -0.2, 0.6}, 0.3, 0, {0.9f, 0.9f, 0.1f}},   {{4, 0.9, 0.5}, 0.3, (double)2.42f, {1, 1, 1}},
         {{0, 0, 0}, 1.5, (double)1.2f, {0.9f, 0.9f, 1}}};
     static const struct {
-        daft_quality quality;
+        daft_preset quality;
         int mirrors, surfaces;
-    } kinds[] = {{DAFT_QUALITY_DRAFT, 0, 6}, {DAFT_QUALITY_GAME, 2, 12}, {DAFT_QUALITY_HIGH, 6, 16}};
+    } kinds[] = {{DAFT_PRESET_DRAFT, 0, 6}, {DAFT_PRESET_GAME, 2, 12}, {DAFT_PRESET_HIGH, 6, 16}};
     for (int k = 0; k < 3; k++)
         for (int inside = 0; inside < 2; inside++) {
             world w = {balls, inside ? 7 : 6, kinds[k].mirrors, kinds[k].surfaces};
             stage *s = stage_make(WIDTH, HEIGHT, NULL, 2);
-            s->view.quality = kinds[k].quality, s->view.camera.fov = inside ? 1.2f : 0.9f;
+            s->view.quality = daft_preset_quality(kinds[k].quality), s->view.camera.fov = inside ? 1.2f : 0.9f;
             if (inside) s->view.camera.position = daft_dv3(-0.7, 0.3, 0.2);
-            compare_with_tracer(s, &w, daft_quality_name(kinds[k].quality));
+            compare_with_tracer(s, &w, daft_preset_name(kinds[k].quality));
             stage_drop(s);
         }
 }
@@ -359,7 +359,7 @@ static void count_surfaces(int kind, float index, double radius, double away, ta
     daft_dvec3 from = daft_dadd(def.position, daft_dscale(any_way(), radius * away));
     double fov = fmin(fmax(2.4 * daft_asin(1 / away), 2e-3), 2);
     s->view.camera = daft_camera_look_at(from, def.position, (float)fov);
-    s->view.quality = DAFT_QUALITY_DRAFT; /* nothing is mirrored that can be refracted */
+    s->view.quality = daft_preset_quality(DAFT_PRESET_DRAFT); /* nothing is mirrored that can be refracted */
     add(s, def);
     draw(s);
     count_quarters(s, index > 1 && kind != SPHERE, t);
@@ -488,7 +488,7 @@ static void the_same_however_computed(void **unused)
 {
     (void)unused;
     uint64_t start = state;
-    for (int quality = DAFT_QUALITY_DRAFT; quality <= DAFT_QUALITY_GAME; quality++) {
+    for (int quality = DAFT_PRESET_DRAFT; quality <= DAFT_PRESET_GAME; quality++) {
         uint64_t expected = 0;
         for (int variant = 0; variant <= daft_isa_best() + 3; variant++) {
             bool by_isa = variant <= daft_isa_best();
@@ -496,8 +496,8 @@ static void the_same_however_computed(void **unused)
                                   by_isa ? 1 : 3 * (variant - daft_isa_best()));
             state = start; /* the same turns */
             dress(s);
-            s->view.camera.fov = 1, s->view.quality = (daft_quality)quality,
-            s->view.reference = variant == daft_isa_best() + 3;
+            s->view.camera.fov = 1, s->view.quality = daft_preset_quality((daft_preset)quality),
+            s->view.quality.tree = variant == daft_isa_best() + 3 ? DAFT_TREE_BVH : DAFT_TREE_RASTER;
             const daft_counters *c = draw(s);
             uint64_t hash = daft_hash(&c->refraction_rays, sizeof c->refraction_rays, picture_hash(s));
             hash = daft_hash(&c->reflection_rays, sizeof c->reflection_rays, hash);

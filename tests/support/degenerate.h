@@ -21,8 +21,7 @@
 
 enum { WIDTH = 96, HEIGHT = 64, PIXELS = WIDTH * HEIGHT };
 
-static const daft_quality QUALITIES[] = {DAFT_QUALITY_DRAFT, DAFT_QUALITY_GAME, DAFT_QUALITY_HIGH,
-                                         DAFT_QUALITY_REFERENCE};
+static const daft_preset QUALITIES[] = {DAFT_PRESET_DRAFT, DAFT_PRESET_GAME, DAFT_PRESET_HIGH, DAFT_PRESET_REFERENCE};
 enum { QUALITY_COUNT = 4 };
 
 typedef struct picture {
@@ -146,15 +145,15 @@ __attribute__((unused)) static void stage_drop(stage *s)
     free(s);
 }
 
-static int edge_samples = -1; /* of the pictures that are drawn */
+static int edge_samples = -1; /* of the pictures that are drawn; below 0: the quality's */
 
-__attribute__((unused)) static picture *draw_from(stage *s, daft_quality quality, daft_camera camera)
+__attribute__((unused)) static picture *draw_from(stage *s, daft_preset quality, daft_camera camera)
 {
     picture *p = calloc(1, sizeof *p);
     daft_view view = daft_default_view();
-    view.quality = quality;
-    view.samples = quality == DAFT_QUALITY_REFERENCE ? 4 : 0; /* 16 are slow, and show nothing more here */
-    view.edge_samples = edge_samples;
+    view.quality = daft_preset_quality(quality);
+    if (quality == DAFT_PRESET_REFERENCE) view.quality.samples = 4; /* 16 are slow, and show nothing more here */
+    if (edge_samples >= 0) view.quality.edge_samples = edge_samples;
     view.camera = camera;
     view.aov = (daft_aov){.depth = p->depth, .normal = p->normal, .entity = p->entity, .triangle = p->triangle};
     daft_error error = {0};
@@ -163,7 +162,7 @@ __attribute__((unused)) static picture *draw_from(stage *s, daft_quality quality
     return p;
 }
 
-__attribute__((unused)) static picture *draw(stage *s, daft_quality quality)
+__attribute__((unused)) static picture *draw(stage *s, daft_preset quality)
 {
     return draw_from(s, quality, daft_default_camera());
 }

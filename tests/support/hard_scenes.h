@@ -46,7 +46,7 @@ __attribute__((unused)) static stage *stage_make(int width, int height, const ch
     s->depth = malloc(n * sizeof *s->depth), s->normal = malloc(n * sizeof *s->normal);
     s->entity = malloc(n * sizeof *s->entity), s->triangle = malloc(n * sizeof *s->triangle);
     s->view = daft_default_view();
-    s->view.samples = 1; /* truths are known of a pixel's middle */
+    s->view.quality.edge_samples = 0; /* truths are known of a pixel's middle */
     s->view.aov = (daft_aov){.depth = s->depth, .normal = s->normal, .entity = s->entity, .triangle = s->triangle};
     return s;
 }

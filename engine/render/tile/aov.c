@@ -91,7 +91,7 @@ void daft_tile_aov_color(const tile_job *j)
     daft_vec3 *out = j->frame->target->aov.color;
     const daft_tile *tile = &j->s->tile;
     const bool all = j->frame->plan.denoise; /* the samples' light comes together */
-    const float weight = all ? 1 : 1 / (float)j->snapshot->preset.samples;
+    const float weight = all ? 1 : 1 / (float)j->snapshot->quality.samples;
     if (!out || !in_band(j)) return;
     for (int y = 0; y < tile->height; y++)
         for (int x = 0; x < tile->width; x++) {

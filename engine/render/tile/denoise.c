@@ -33,7 +33,7 @@ enum { WHOLE = 3, KIND_INVERSE = 6 };
 
 static int first_plane(int kind) { return kind == DAFT_NOISY_GLOSS ? GLOSS : LIGHT; }
 
-static bool is_last(const daft_frame *frame) { return frame->sample == frame->snapshot->preset.samples - 1; }
+static bool is_last(const daft_frame *frame) { return frame->sample == frame->snapshot->quality.samples - 1; }
 
 static ptrdiff_t stride_of(const daft_snapshot *s) { return (ptrdiff_t)daft_tile_columns(s) * DAFT_TILE + 3 * MARGIN; }
 
@@ -156,7 +156,7 @@ void daft_denoise_take(const tile_job *j, daft_batch *points, bool seen)
 /* Rays of a point, the fewer where there are two kinds. */
 static int samples_of(const daft_frame *frame)
 {
-    const daft_preset *p = frame->plan.preset;
+    const daft_quality *p = frame->plan.quality;
     if (!frame->plan.soft) return daft_max_i(p->occlusion_samples, 1);
     return frame->plan.occlusion ? daft_min_i(p->shadow_samples, p->occlusion_samples) : p->shadow_samples;
 }
@@ -285,7 +285,7 @@ static void finish_sums(const daft_frame *frame, int kind, size_t row)
 static void finish_tile(const daft_frame *frame, size_t first, uint8_t noisy)
 {
     /* Rays of a point are stratified: the variance of their mean falls with the square of their number, about. */
-    const float rays = (float)samples_of(frame), share = 1 / (rays * rays * (float)frame->snapshot->preset.samples);
+    const float rays = (float)samples_of(frame), share = 1 / (rays * rays * (float)frame->snapshot->quality.samples);
     for (int kind = DAFT_NOISY_LIGHT; kind <= DAFT_NOISY_GLOSS; kind++) {
         if (kind == DAFT_NOISY_GLOSS && !frame->plan.glossy) continue;
         if (!(noisy & kind)) clear(frame, first_plane(kind) + KIND_INVERSE, first);
@@ -304,8 +304,8 @@ bool daft_denoise_keep(const tile_job *j)
     const daft_frame *frame = j->frame;
     const daft_sampled_light *light = j->s->sampled;
     const size_t first = tile_place(frame, j->number);
-    const bool many = frame->snapshot->preset.samples > 1;
-    const float share = 1 / (float)frame->snapshot->preset.samples;
+    const bool many = frame->snapshot->quality.samples > 1;
+    const float share = 1 / (float)frame->snapshot->quality.samples;
     uint8_t *noisy = &j->r->noisy[j->number - frame->first_tile];
     *noisy |=
         (light && light->tile_some ? DAFT_NOISY_LIGHT : 0) | (j->s->gloss && j->s->gloss->some ? DAFT_NOISY_GLOSS : 0);
@@ -434,7 +434,7 @@ static void finish_task(void *context, uint32_t index, uint32_t worker)
 {
     daft_frame *frame = context;
     daft_renderer *r = frame->renderer;
-    if (!r->noisy[index] && frame->snapshot->preset.samples == 1) return;
+    if (!r->noisy[index] && frame->snapshot->quality.samples == 1) return;
     daft_scratch *s = &r->scratch[worker];
     tile_job j = daft_tile_again(frame, index, worker);
     j.refines = false, j.color = &s->color;

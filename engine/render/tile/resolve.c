@@ -32,7 +32,7 @@ static void mean_row(const tile_job *j, int row, float weight)
 
 bool daft_tile_is_plain(const tile_job *j)
 {
-    return j->s->points.count == 0 && j->snapshot->sky.kind == DAFT_SKY_COLOR && j->snapshot->preset.samples == 1;
+    return j->s->points.count == 0 && j->snapshot->sky.kind == DAFT_SKY_COLOR && j->snapshot->quality.samples == 1;
 }
 
 void daft_tile_fill_plain(tile_job *j)
@@ -77,13 +77,13 @@ void daft_tile_resolve(tile_job *j)
 {
     const daft_snapshot *snapshot = j->snapshot;
     const daft_tile *tile = &j->s->tile;
-    bool last = j->frame->sample == snapshot->preset.samples - 1;
-    const daft_lanes3 *color = snapshot->preset.samples > 1 ? &j->s->color : j->color;
+    bool last = j->frame->sample == snapshot->quality.samples - 1;
+    const daft_lanes3 *color = snapshot->quality.samples > 1 ? &j->s->color : j->color;
     daft_tile_aov_color(j);
     for (int row = 0; row < tile->height; row++) {
-        if (snapshot->preset.samples > 1) add_sample(j, row);
+        if (snapshot->quality.samples > 1) add_sample(j, row);
         if (!last) continue;
-        if (snapshot->preset.samples > 1) mean_row(j, row, 1 / (float)snapshot->preset.samples);
+        if (snapshot->quality.samples > 1) mean_row(j, row, 1 / (float)snapshot->quality.samples);
         encode(j, color, row);
     }
     ran(j, DAFT_EFFECT_RESOLVE);

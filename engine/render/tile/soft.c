@@ -42,7 +42,7 @@ static daft_ray ray_to_light(const tile_job *j, const daft_batch *points, uint32
     float x, y;
     if (!(distance > 0)) return (daft_ray){.origin = from, .direction = to, .tmax = 0};
     daft_axes_across(daft_scale(to, 1 / distance), &a, &b);
-    disc_point(j->r, throw_dice(j, points, i, salt), k, (uint32_t)j->snapshot->preset.shadow_samples, &x, &y);
+    disc_point(j->r, throw_dice(j, points, i, salt), k, (uint32_t)j->snapshot->quality.shadow_samples, &x, &y);
     to = daft_add(to, daft_scale(daft_add(daft_scale(a, x), daft_scale(b, y)), light->radius));
     return (daft_ray){.origin = from, .direction = to, .tmax = light->sun ? INFINITY : 1};
 }
@@ -55,7 +55,7 @@ static daft_ray ray_around(const tile_job *j, const daft_batch *points, uint32_t
     daft_vec3 a, b;
     float x, y;
     daft_axes_across(n, &a, &b);
-    disc_point(j->r, throw_dice(j, points, i, UINT32_MAX), k, (uint32_t)j->snapshot->preset.occlusion_samples, &x, &y);
+    disc_point(j->r, throw_dice(j, points, i, UINT32_MAX), k, (uint32_t)j->snapshot->quality.occlusion_samples, &x, &y);
     const float up = sqrtf(fmaxf(0, 1 - x * x - y * y));
     daft_vec3 to = daft_add(daft_add(daft_scale(a, x), daft_scale(b, y)), daft_scale(n, up));
     const float under = daft_dot(to, out);
@@ -85,8 +85,8 @@ static void sample(tile_job *j, const daft_batch *points, const daft_light_sourc
                    const uint32_t *bits, float *open)
 {
     const daft_effect_kind effect = light ? DAFT_EFFECT_SHADOW : DAFT_EFFECT_OCCLUSION;
-    const daft_preset *preset = &j->snapshot->preset;
-    const uint32_t rays = (uint32_t)(light ? preset->shadow_samples : preset->occlusion_samples);
+    const daft_quality *quality = &j->snapshot->quality;
+    const uint32_t rays = (uint32_t)(light ? quality->shadow_samples : quality->occlusion_samples);
     ray_queue q;
     q.count = 0;
     memset(open, 0, points->count * sizeof *open);

@@ -8,7 +8,7 @@
 void daft_tile_see(tile_job *j)
 {
     daft_scratch *s = j->s;
-    if (j->snapshot->preset.reference)
+    if (j->snapshot->quality.tree != DAFT_TREE_RASTER)
         daft_reference_tile(&j->r->raster, j->frame->tlas, j->number, j->part, &s->tile);
     else
         j->r->raster_kernels->tile(&j->r->raster, j->number, j->worker, j->part, &s->tile);
@@ -83,7 +83,7 @@ static void light_points(tile_job *j, daft_batch *points, bool seen)
     const daft_vec3 *first = &snapshot->ambient;
     if (j->s->sampled) j->s->sampled->some = false;
     if (points->traits & DAFT_TRAIT_TEXTURE) {
-        j->r->shade->albedo(points, snapshot->materials, snapshot->textures);
+        j->r->shade->albedo(points, snapshot->materials, snapshot->textures, snapshot->quality.texture_filter);
         ran(j, DAFT_EFFECT_TEXTURE);
         book(j, DAFT_EFFECT_TEXTURE);
     }
@@ -189,7 +189,7 @@ void daft_tile_shade(tile_job *j)
 {
     const daft_batch *points = &j->s->points;
     const bool rough = points->traits & DAFT_TRAIT_ROUGH && j->frame->plan.glossy;
-    const uint32_t rays = rough ? (uint32_t)j->snapshot->preset.glossy_samples : 1;
+    const uint32_t rays = rough ? (uint32_t)j->snapshot->quality.glossy_samples : 1;
     shade_visible(j);
     if (rough && j->s->gloss && !j->refines) daft_gloss_begin(j, points);
     for (uint32_t ray = 0; ray < rays; ray++) follow(j, ray, rays);

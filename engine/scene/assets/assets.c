@@ -104,6 +104,12 @@ static daft_bvh_def mesh_tree(const daft_scene *scene)
     return (daft_bvh_def){.threads = engine->threads, .isa = engine->isa};
 }
 
+bool daft_mesh_need_kdtree(daft_scene *scene, daft_mesh_item *item, daft_error *error)
+{
+    if (!item->kdtree) item->kdtree = daft_kdtree_build(scene->allocator, &item->mesh, scene->engine->threads, error);
+    return item->kdtree != NULL;
+}
+
 /* Builds what a mesh needs beside its triangles. On failure the item is still to be freed. */
 static bool mesh_finish(daft_scene *scene, daft_mesh_item *item, daft_error *error)
 {
@@ -115,9 +121,7 @@ static bool mesh_finish(daft_scene *scene, daft_mesh_item *item, daft_error *err
     item->bvh = daft_bvh_build(scene->allocator, &item->mesh, &def, error);
     if (!item->bvh) return false;
     scene->counters.mesh_builds++;
-    if (scene->engine->accel != DAFT_ACCEL_KDTREE) return true;
-    item->kdtree = daft_kdtree_build(scene->allocator, &item->mesh, scene->engine->threads, error);
-    return item->kdtree != NULL;
+    return scene->engine->accel != DAFT_ACCEL_KDTREE || daft_mesh_need_kdtree(scene, item, error);
 }
 
 static bool mesh_reserve(daft_scene *scene, daft_error *error)
@@ -264,11 +268,11 @@ bool daft_mesh_set_positions(daft_scene *scene, daft_mesh mesh, const daft_vec3 
     if (!item || !daft_trimesh_deform(scene->allocator, &item->mesh, positions, normals, error)) return false;
     const daft_bvh_def def = mesh_tree(scene);
     if (daft_bvh_update(item->bvh, &item->mesh, &def)) scene->counters.mesh_builds++;
-    if (scene->engine->accel == DAFT_ACCEL_KDTREE) { /* without memory for one, rays go through the BVH, to the same
-                                                        hits */
-        daft_kdtree_free(item->kdtree);
-        item->kdtree = daft_kdtree_build(scene->allocator, &item->mesh, scene->engine->threads, NULL);
-    }
+    daft_kdtree_free(item->kdtree);
+    item->kdtree = NULL;
+    if (scene->engine->accel == DAFT_ACCEL_KDTREE)
+        daft_mesh_need_kdtree(scene, item, NULL); /* without memory for one, rays go through the BVH, to the same hits
+                                                   */
     scene->counters.mesh_refits++;
     daft_scene_touch(scene);
     return true;

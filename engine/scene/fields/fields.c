@@ -12,6 +12,7 @@ static const daft_field_list *const LISTS[DAFT_STRUCT_COUNT] = {
     [DAFT_STRUCT_SURFACES] = &daft_surfaces_fields,
     [DAFT_STRUCT_CAMERA] = &daft_camera_fields,
     [DAFT_STRUCT_LIGHT_DEF] = &daft_light_fields,
+    [DAFT_STRUCT_QUALITY] = &daft_quality_fields,
     [DAFT_STRUCT_VIEW] = &daft_view_fields,
     [DAFT_STRUCT_QUERY_FILTER] = &daft_query_filter_fields,
     [DAFT_STRUCT_VOLUME] = &daft_volume_fields,

@@ -66,7 +66,7 @@ static bool fail_form(const daft_field *field, const char *text, daft_error *err
 
 static bool parse_bool(const daft_field *field, const char *text, double *out, daft_error *error)
 {
-    static const char *const NAMES[] = {"false", "true", "off", "on", "no", "yes"};
+    static const char *const NAMES[] = {"false", "true", "off", "on", "no", "yes", "0", "1"};
     for (size_t i = 0; i < DAFT_COUNT_OF(NAMES); i++) {
         if (strcmp(text, NAMES[i]) != 0) continue;
         *out = (double)(i % 2);

@@ -42,6 +42,20 @@ static void limits_text(const daft_field *field, char *buffer, size_t size)
         snprintf(buffer, size, "between %g and %g%s%s", field->min, field->max, blank, unit);
 }
 
+/* "1, 4, 8 or 16" */
+static void values_text(const daft_field *field, char *buffer, size_t size)
+{
+    for (uint32_t i = 0; i < field->value_count; i++) {
+        char number[32];
+        snprintf(number, sizeof number, "%s%g",
+                 i == 0                        ? ""
+                 : i + 1 == field->value_count ? " or "
+                                               : ", ",
+                 field->values[i]);
+        add(buffer, size, number);
+    }
+}
+
 const char *daft_field_range(const daft_field *field, char *buffer, size_t size)
 {
     if (!buffer || size == 0) return buffer;
@@ -51,6 +65,8 @@ const char *daft_field_range(const daft_field *field, char *buffer, size_t size)
         choices_text(field, buffer, size);
     else if (field->type == DAFT_FIELD_BOOL)
         add(buffer, size, "true or false");
+    else if (field->value_count > 0)
+        values_text(field, buffer, size);
     else if (field->type < DAFT_FIELD_MESH)
         limits_text(field, buffer, size);
     return buffer;
@@ -85,6 +101,13 @@ static bool fail_component(const daft_field *field, bool used, uint32_t componen
                      used ? daft_field_range(field, range, sizeof range) : "finite");
 }
 
+static bool is_listed(const daft_field *field, double number)
+{
+    for (uint32_t i = 0; i < field->value_count; i++)
+        if (field->values[i] == number) return true;
+    return field->value_count == 0;
+}
+
 static bool all_zero(const double *numbers, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++)
@@ -102,7 +125,7 @@ static bool check_used(const daft_field *field, bool used, const void *value, co
     double min, max;
     limits_of(field, used, &min, &max);
     for (uint32_t i = 0; i < count; i++)
-        if (!(numbers[i] >= min && numbers[i] <= max))
+        if (!(numbers[i] >= min && numbers[i] <= max) || !is_listed(field, numbers[i]))
             return fail_component(field, used, i, numbers[i], count, before, error);
     if (!used || !all_zero(numbers, count)) return true;
     if (field->type == DAFT_FIELD_DIRECTION)

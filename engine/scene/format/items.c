@@ -27,6 +27,7 @@ typedef struct value {
     const char *member;    /* of the item's struct */
     const daft_field *own; /* instead: a field of the item itself */
     const char *path;      /* instead: a path, of what, for messages */
+    bool preset;           /* instead: a preset's name, of which the item's quality begins */
     bool optional;         /* the line may end before it */
     bool not_zero;         /* though the field may be */
     double fraction;       /* not 0: at most the number before it and, left out, this fraction of that */
@@ -51,11 +52,13 @@ static const daft_field OCCLUSION = DAFT_ROW(item, occlusion, FROM(0, 1e6), .uni
 /* clang-format off */
 #define NO_STRUCT     DAFT_STRUCT_COUNT, 0, 0
 #define CAMERA        DAFT_STRUCT_CAMERA, offsetof(item, camera), 0
+#define QUALITY       DAFT_STRUCT_QUALITY, offsetof(item, quality), 0
 #define LIGHT(kind)   DAFT_STRUCT_LIGHT_DEF, offsetof(item, light), kind
 #define ENTITY(shape) DAFT_STRUCT_ENTITY_DEF, offsetof(item, entity), shape
 /* Each takes the names, the member or what the path is of, and designated initialisers of value. */
 #define FIELD(n, m, ...) {.names = (n), .member = (m), __VA_ARGS__}
 #define PATH(n, of)      {.names = (n), .path = (of)}
+#define PRESET(n)        {.names = (n), .preset = true, .optional = true}
 
 static const form FORMS[] = {
     {"camera", DAFT_ITEM_CAMERA, CAMERA, {
@@ -89,6 +92,8 @@ static const form FORMS[] = {
     {"ambient", DAFT_ITEM_AMBIENT, NO_STRUCT, {
         FIELD("r g b", NULL, .own = &AMBIENT),
         FIELD("occlusion", NULL, .own = &OCCLUSION, .optional = true)}},
+    {"quality", DAFT_ITEM_QUALITY, QUALITY, {
+        PRESET("preset")}},
     {"path", DAFT_ITEM_PATH, CAMERA, {
         FIELD("seconds", NULL, .own = &SECONDS),
         FIELD("x y z", "position"),
@@ -185,6 +190,21 @@ static bool read_path(reader *read, const char *of)
     char *copy = daft_arena_alloc(read->arena, size, 1);
     if (!copy) return daft_fail_memory(read->text->error, "a scene file's paths");
     read->out->path = memcpy(copy, joined, size);
+    return true;
+}
+
+static bool read_preset(reader *read)
+{
+    daft_token token;
+    daft_preset preset;
+    char name[32];
+    if (!daft_scene_text_word(read->text, "a preset", &token)) return false;
+    snprintf(name, sizeof name, "%.*s", (int)token.length, token.text);
+    if (token.length >= sizeof name || !daft_preset_parse(name, &preset))
+        return daft_scene_text_fail(read->text, token.column,
+                                    "unknown preset '%s'; known are draft, game, high, reference",
+                                    daft_token_show(token).text);
+    read->out->quality = daft_preset_quality(preset);
     return true;
 }
 
@@ -286,7 +306,7 @@ static bool has_name(const reader *read) { return read->form->fields == DAFT_STR
 
 static bool fail_option(const reader *read, int column, const char *name)
 {
-    char known[LONGEST_OPTION] = "";
+    char known[2 * LONGEST_OPTION] = "";
     if (has_name(read)) snprintf(known, sizeof known, "%s", NAME_OPTION);
     uint32_t count;
     const daft_field *fields = daft_fields(read->form->fields, &count);
@@ -366,7 +386,7 @@ static bool read_values(reader *read)
     for (; i < count; i++) {
         const value *v = &read->form->values[i];
         if (v->optional && (daft_scene_text_ends(read->text) || option_length(read->text) > 0)) break;
-        if (!(v->path ? read_path(read, v->path) : read_field(read, v))) return false;
+        if (!(v->path ? read_path(read, v->path) : v->preset ? read_preset(read) : read_field(read, v))) return false;
     }
     if (i < count && read->form->values[i].fraction > 0) {
         double number = read->form->values[i].fraction * read->last;

@@ -12,6 +12,7 @@ typedef enum daft_scene_item_kind {
     DAFT_ITEM_SKYBOX,
     DAFT_ITEM_LIGHT,
     DAFT_ITEM_AMBIENT,
+    DAFT_ITEM_QUALITY,
     DAFT_ITEM_SPHERE,
     DAFT_ITEM_MESH,
     DAFT_ITEM_INCLUDE,
@@ -28,6 +29,7 @@ typedef struct daft_scene_item {
     union {
         daft_camera camera;
         daft_light_def light;
+        daft_quality quality;
         struct {
             daft_vec3 ambient;
             float occlusion;

@@ -144,6 +144,7 @@ static bool load_asset(loader *load, item *named)
     case DAFT_ITEM_CAMERA: return daft_check_camera(&load->error, "camera", &named->camera);
     case DAFT_ITEM_PATH: return check_checkpoint(load, named);
     case DAFT_ITEM_AMBIENT:
+    case DAFT_ITEM_QUALITY:
     case DAFT_ITEM_INCLUDE:
     case DAFT_ITEM_REFUSED: break;
     }
@@ -193,6 +194,7 @@ static void commit(loader *load)
         case DAFT_ITEM_PATH: daft_path_insert(scene, &(daft_checkpoint){made->camera, made->time}); break;
         case DAFT_ITEM_LIGHT: daft_light_insert(scene, &made->light); break;
         case DAFT_ITEM_AMBIENT: scene->ambient = made->ambient, scene->occlusion = made->occlusion; break;
+        case DAFT_ITEM_QUALITY: scene->quality = made->quality; break;
         case DAFT_ITEM_SPHERE:
         case DAFT_ITEM_MESH: insert_entity(scene, made); break;
         case DAFT_ITEM_SKYBOX:

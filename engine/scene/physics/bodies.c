@@ -394,6 +394,22 @@ void daft_scene_set_sleeping(daft_scene *scene, bool allowed)
     if (world) daft_world_set_sleeping(world, allowed);
 }
 
+bool daft_scene_measure_sim(daft_scene *scene, daft_sim_measure *out, daft_error *error)
+{
+    daft_error_clear(error);
+    if (!daft_scene_ready(scene, error) || !daft_check_pointer(error, "out", out)) return false;
+    *out = scene->world ? daft_world_measure(scene->world) : (daft_sim_measure){0};
+    return true;
+}
+
+uint32_t daft_scene_moving(const daft_scene *scene, daft_entity *out, uint32_t capacity)
+{
+    if (!scene) return 0;
+    for (uint32_t i = 0; out && i < scene->moving_count && i < capacity; i++)
+        out[i].id = daft_slots_handle(&scene->entity_slots, scene->moving[i]);
+    return scene->moving_count;
+}
+
 bool daft_scene_set_surfaces(daft_scene *scene, uint32_t kind_a, uint32_t kind_b, const daft_surfaces *together,
                              daft_error *error)
 {

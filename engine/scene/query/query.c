@@ -52,7 +52,8 @@ static bool cache_build(daft_scene *scene, daft_dvec3 origin, daft_error *error)
     cache->valid = false;
     daft_arena_reset(&cache->arena);
     daft_instance *instances;
-    if (!daft_snapshot_instances(scene, origin, 1, &cache->arena, &instances, &cache->instance_count, error))
+    if (!daft_snapshot_instances(scene, origin, 1, scene->engine->accel == DAFT_ACCEL_KDTREE, &cache->arena, &instances,
+                                 &cache->instance_count, error))
         return false;
     cache->instances = instances;
     cache->instance_of = daft_arena_alloc(&cache->arena, scene->entity_slots.count, sizeof *cache->instance_of);

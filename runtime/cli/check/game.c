@@ -72,7 +72,7 @@ static void run_on(checker *c, daft_engine *engine, const game_info *info)
                     .source = &c->game,
                     .engine = engine,
                     .face = c->face,
-                    .quality = DAFT_QUALITY_DRAFT,
+                    .quality.preset = DAFT_PRESET_DRAFT,
                     .seed = 1};
     daft_image *picture = daft_image_create(engine, 64, 36, &error);
     if (!picture || !game_open(&play, &def, &error)) {

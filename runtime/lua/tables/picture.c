@@ -92,7 +92,7 @@ static int draw(lua_State *L, host *h)
     daft_view view = daft_default_view();
     view.camera = s->camera;
     view.alpha = 1;
-    view.quality = DAFT_QUALITY_GAME, view.edge_samples = 0;
+    view.quality = daft_preset_quality(DAFT_PRESET_GAME), view.quality.edge_samples = 0;
     view.aov = s->arrays, view.history = s->history;
     view.progress = keep_drawing, view.progress_user = h->dog;
     daft_error error;

@@ -1,5 +1,6 @@
 /* Rays, points of the screen, gravity, time, and the life of the game. */
 #include "lua/api.h"
+#include "lua/fields.h"
 
 #include "common/util.h"
 
@@ -159,15 +160,48 @@ static int load_scene(lua_State *L, host *h)
     return push_named(L, h, before);
 }
 
-static int quality(lua_State *L, host *h)
+static const api_special QUALITY_SPECIALS[] = {
+    {"preset", NULL, NULL, "\"draft\", \"game\", \"high\", \"reference\"",
+     "Sets all knobs to those of a preset, before the others are set"},
+    {"target_ms", NULL, NULL, "number from 1 to 1000, or 0",
+     "What a frame may take, by pictures that are less exact where they must be; 0: whatever it takes. What the player "
+     "asked for goes first"}};
+const api_form api_quality_form = {"quality", "daft.quality",   DAFT_STRUCT_QUALITY,
+                                   -1,        QUALITY_SPECIALS, COUNT_OF(QUALITY_SPECIALS)};
+
+static double target_ms(lua_State *L, host *h)
 {
-    static const char *const NAMES[] = {"target_ms"};
-    api_fields(L, h, 1, NULL, NAMES, COUNT_OF(NAMES));
-    if (!api_field(L, 1, "target_ms")) return 0;
     const double ms = api_number(L, h, -1, "target_ms");
     if (ms != 0 && !(ms >= 1 && ms <= 1000)) api_wrong(L, h, -1, "target_ms", "number from 1 to 1000, or 0");
+    return ms;
+}
+
+static void set_quality(lua_State *L, host *h)
+{
+    static const char *const PRESETS[] = {"draft", "game", "high", "reference"};
+    daft_quality chosen = daft_scene_quality(h->def.scene);
+    double ms = h->target_ms;
+    daft_error error;
+    if (lua_type(L, 1) == LUA_TTABLE && api_field(L, 1, "preset")) {
+        chosen = daft_preset_quality((daft_preset)api_choice(L, h, -1, "preset", PRESETS, COUNT_OF(PRESETS)));
+        lua_pop(L, 1);
+    }
+    api_read_struct(L, h, 1, NULL, &api_quality_form, &chosen);
+    if (api_field(L, 1, "target_ms")) ms = target_ms(L, h);
+    if (!daft_scene_set_quality(h->def.scene, &chosen, &error)) api_engine_error(L, h, &error);
     h->target_ms = ms;
-    return 0;
+}
+
+static int quality(lua_State *L, host *h)
+{
+    if (!lua_isnoneornil(L, 1)) set_quality(L, h);
+    const daft_quality now = daft_scene_quality(h->def.scene);
+    api_push_struct(L, DAFT_STRUCT_QUALITY, &now);
+    if (h->target_ms >= 0) {
+        lua_pushnumber(L, h->target_ms);
+        lua_setfield(L, -2, "target_ms");
+    }
+    return 1;
 }
 
 static const api_function FUNCTIONS[] = {
@@ -189,9 +223,9 @@ static const api_function FUNCTIONS[] = {
     {"tick", "() -> number", "Updates since the game began.", tick, 0},
     {"scene", "(\"file.scene\") -> table",
      "Adds what a scene file describes; gives the entities that it names, by name.", load_scene, API_CHANGES},
-    {"quality", "{target_ms =}",
-     "Asks for frames that take at most so many milliseconds, by pictures that are less exact where they\n"
-     "must be; 0: whatever they take. What the player asked for goes first. Nothing else changes.",
+    {"quality", "([{...}]) -> knobs",
+     "Sets what a picture costs and how exact it is: preset =, target_ms = and knobs by name, such as samples =.\n"
+     "Gives them all. What the player asked for goes first. Pictures alone change, never the game.",
      quality, 0},
     {"restart", "()", "Starts the game afresh after this tick.", restart, API_CHANGES},
     {"quit", "()", "Ends the game after this tick.", quit, API_CHANGES},

@@ -146,13 +146,13 @@ static void paint_edges(const pixel_channels *c, daft_image *target)
 
 /* ---- scenes ---- */
 
-void draw_set_view(const view_look *look, daft_view *view)
+void draw_set_view(const view_look *look, const daft_scene *scene, daft_view *view)
 {
     view->camera = look->camera;
-    view->quality = look->quality;
+    view->quality = quality_choose(&look->quality, scene);
     view->without = look->channel == VIEW_ALBEDO ? DAFT_WITHOUT_SHADING : look->without & DAFT_WITHOUT_ALL;
-    if (look->without & VIEW_WITHOUT_SHADOWS) view->shadows = 0;
-    if (look->without & VIEW_WITHOUT_MIRRORS) view->mirror_depth = 0;
+    if (look->without & VIEW_WITHOUT_SHADOWS) view->quality.shadows = 0;
+    if (look->without & VIEW_WITHOUT_MIRRORS) view->quality.mirror_depth = 0;
 }
 
 bool draw_scene(daft_scene *scene, const view_look *look, pixel_channels *channels, daft_image *target,
@@ -160,12 +160,13 @@ bool draw_scene(daft_scene *scene, const view_look *look, pixel_channels *channe
 {
     daft_view view = daft_default_view();
     bool shaded = look->channel == VIEW_PICTURE || look->channel == VIEW_ALBEDO, wanted = !shaded || look->wires;
-    draw_set_view(look, &view);
+    draw_set_view(look, scene, &view);
     if (wanted && !allocate(channels, daft_image_width(target), daft_image_height(target), error)) return false;
-    if (wanted) view.aov = channels->arrays;
+    if (wanted) view.aov = channels->arrays, view.quality.scale = 1;
     view.history = channels->history;
     if (!shaded && look->channel != VIEW_COST)
-        view.quality = DAFT_QUALITY_DRAFT, view.without = DAFT_WITHOUT_SHADING; /* only channels are looked at */
+        view.quality = daft_preset_quality(DAFT_PRESET_DRAFT), view.without = DAFT_WITHOUT_SHADING; /* only channels are
+                                                                                                       looked at */
     if (!daft_render(scene, &view, target, error)) return false;
     if (!shaded) paint_channel(channels, look->channel, target);
     if (look->wires) paint_edges(channels, target);

@@ -2,6 +2,7 @@
 #ifndef RUNTIME_VIEW_PICTURE_DRAW_H
 #define RUNTIME_VIEW_PICTURE_DRAW_H
 
+#include "common/quality.h"
 #include "view/picture/content.h"
 
 typedef enum view_channel {
@@ -21,7 +22,7 @@ enum { VIEW_WITHOUT_SHADOWS = 1 << 16, VIEW_WITHOUT_MIRRORS = 1 << 17 };
 /* What is drawn, and how. */
 typedef struct view_look {
     daft_camera camera;
-    daft_quality quality;
+    quality_wish quality;
     uint32_t without; /* DAFT_WITHOUT_… and VIEW_WITHOUT_… */
     view_channel channel;
     bool wires;
@@ -34,8 +35,8 @@ typedef struct pixel_channels {
     daft_history *history; /* of the pictures that were shown */
 } pixel_channels;
 
-/* Camera and what is left out. */
-void draw_set_view(const view_look *look, daft_view *view);
+/* Camera, knobs and what is left out. `scene` NULL: one that asks for no quality. */
+void draw_set_view(const view_look *look, const daft_scene *scene, daft_view *view);
 bool draw_scene(daft_scene *scene, const view_look *look, pixel_channels *channels, daft_image *target,
                 daft_error *error);
 void draw_free(pixel_channels *channels);

@@ -6,7 +6,7 @@
 
 enum { TILE = 32, TARGET_MS = 15 };
 
-static const daft_quality PASSES[] = {DAFT_QUALITY_HIGH, DAFT_QUALITY_REFERENCE};
+static const daft_preset PASSES[] = {DAFT_PRESET_HIGH, DAFT_PRESET_REFERENCE};
 
 static void begin_pass(refinement *r, int pass)
 {
@@ -20,9 +20,9 @@ void refine_restart(refinement *r) { begin_pass(r, 0); }
 
 bool refine_is_done(const refinement *r) { return r->pass == (int)COUNT_OF(PASSES); }
 
-daft_quality refine_quality(const refinement *r)
+daft_preset refine_quality(const refinement *r)
 {
-    return r->pass < (int)COUNT_OF(PASSES) ? PASSES[r->pass] : DAFT_QUALITY_REFERENCE;
+    return r->pass < (int)COUNT_OF(PASSES) ? PASSES[r->pass] : DAFT_PRESET_REFERENCE;
 }
 
 void refine_free(refinement *r)
@@ -75,8 +75,8 @@ bool refine_step(refinement *r, const refine_job *job, daft_error *error)
     *error = (daft_error){0};
     if (refine_is_done(r) || !fit(r, job->engine, job->picture, error)) return false;
     daft_view view = daft_default_view();
-    draw_set_view(job->look, &view);
-    view.quality = refine_quality(r);
+    draw_set_view(job->look, job->scene, &view);
+    view.quality = daft_preset_quality(refine_quality(r));
     view.first_row = r->row;
     view.row_count = r->rows < left ? r->rows : left;
     view.progress = go_on;

@@ -30,7 +30,7 @@ typedef struct refine_job {
  * has asked for something else. */
 bool refine_step(refinement *r, const refine_job *job, daft_error *error);
 bool refine_is_done(const refinement *r);
-daft_quality refine_quality(const refinement *r); /* of the pass that is drawn */
+daft_preset refine_quality(const refinement *r); /* of the pass that is drawn */
 /* How far the whole picture still is from the one that this pass draws: root of the mean square over pixels, 0..1 of
  * white in sRGB. The rows that are done are exact; of the others it is taken that they are as wrong as those were.
  * Below 0: not known. */

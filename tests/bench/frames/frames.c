@@ -86,7 +86,7 @@ bench_frame *bench_frame_create(bench *self, const bench_scene *scene, int threa
     daft_engine_def def = daft_default_engine_def();
     def.threads = threads, def.isa = self->isa;
     frame->view = daft_default_view();
-    frame->view.edge_samples = 0; /* the peer has one sample a pixel, too */
+    frame->view.quality.edge_samples = 0; /* the peer has one sample a pixel, too */
     frame->view.camera =
         daft_camera_look_at(daft_to_double(scene->view.from), daft_to_double(scene->view.at), scene->view.fov);
     frame->engine = daft_engine_create(&def, &error);

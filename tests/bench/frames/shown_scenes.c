@@ -26,8 +26,8 @@ static bool open_show(bench *self, const char *path, int threads, bool smooth, s
     daft_engine_def def = daft_default_engine_def();
     def.threads = threads, def.isa = self->isa, def.warn = ignore;
     *s = (show){.view = daft_default_view(), .threads = threads};
-    s->view.quality = DAFT_QUALITY_GAME;
-    if (!smooth) s->view.edge_samples = 0;
+    s->view.quality = daft_preset_quality(DAFT_PRESET_GAME);
+    if (!smooth) s->view.quality.edge_samples = 0;
     s->engine = daft_engine_create(&def, error);
     if (s->engine) s->scene = daft_scene_create(s->engine, error);
     if (s->scene && daft_scene_load(s->scene, path, error))

@@ -89,7 +89,7 @@ static bool open_show(bench *self, const char *name, int threads, soft_show *s, 
     files.roots = &root, files.root_count = 1;
     def.threads = threads, def.isa = self->isa, def.warn = ignore;
     *s = (soft_show){.view = daft_default_view()};
-    s->view.edge_samples = 0;
+    s->view.quality.edge_samples = 0;
     if (!(s->files = daft_files_create(&files, error)) || !(s->engine = daft_engine_create(&def, error)) ||
         !daft_engine_set_files(s->engine, s->files, error) || !(s->scene = daft_scene_create(s->engine, error)))
         return false;
@@ -146,8 +146,8 @@ static double draw_moving(soft_show *s, int threads, daft_error *error)
 static double draw(soft_show *s, const setting *how, int runs, int threads, daft_error *error)
 {
     double best = -1;
-    s->view.shadow_samples = s->view.occlusion_samples = s->view.glossy_samples = how->rays;
-    s->view.denoise = how->denoise, s->view.samples = how->samples;
+    s->view.quality.shadow_samples = s->view.quality.occlusion_samples = s->view.quality.glossy_samples = how->rays;
+    s->view.quality.denoise = how->denoise, s->view.quality.samples = how->samples;
     for (int i = 0; i < runs; i++) {
         double ms = how->moves ? draw_moving(s, threads, error) : draw_once(s, threads, error);
         if (ms < 0) return -1;

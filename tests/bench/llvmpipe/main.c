@@ -163,7 +163,7 @@ static bool run_game(peer *p, const options *o, daft_engine *engine)
                           .info = &info,
                           .engine = engine,
                           .face = face,
-                          .quality = DAFT_QUALITY_GAME,
+                          .quality.preset = DAFT_PRESET_GAME,
                           .seed = record.seed,
                           .replay = &record};
     bool good = face && game_open(&game, &def, &error);

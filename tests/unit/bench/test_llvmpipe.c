@@ -43,7 +43,7 @@ static daft_image *ours(daft_engine *engine, const char *name)
     assert_true(scene && image && daft_scene_load(scene, path, &error));
     daft_view view = daft_default_view();
     view.camera = daft_scene_camera(scene, 1);
-    view.quality = DAFT_QUALITY_GAME;
+    view.quality = daft_preset_quality(DAFT_PRESET_GAME);
     assert_true(daft_render(scene, &view, image, &error));
     daft_scene_destroy(scene);
     return image;

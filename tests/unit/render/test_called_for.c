@@ -99,18 +99,18 @@ static void assert_nothing_done(const daft_effect *effect)
 static void without_lights_no_shadow_ray(void **unused)
 {
     (void)unused;
-    for (daft_quality quality = DAFT_QUALITY_DRAFT; quality <= DAFT_QUALITY_REFERENCE; quality++) {
+    for (daft_preset quality = DAFT_PRESET_DRAFT; quality <= DAFT_PRESET_REFERENCE; quality++) {
         stage *s = stage_make(2);
         daft_material_def mirror = daft_default_material_def();
         mirror.mirror = 0.7f; /* what is seen in it casts none either */
         add_floor(s);
         add_ball(s, daft_dv3(0, 1, 0), 1, daft_material_create(s->scene, &mirror, NULL));
-        s->view.quality = quality;
+        s->view.quality = daft_preset_quality(quality);
         const daft_counters *c = draw(s);
         assert_true(c->shadow_rays == 0 && c->shadow_points_kept == 0);
         assert_nothing_done(&c->effects[DAFT_EFFECT_SHADOW]);
         assert_nothing_done(&c->effects[DAFT_EFFECT_LIGHTING]);
-        assert_int_equal(c->effects[DAFT_EFFECT_REFLECTION].ran, quality != DAFT_QUALITY_DRAFT);
+        assert_int_equal(c->effects[DAFT_EFFECT_REFLECTION].ran, quality != DAFT_PRESET_DRAFT);
         stage_drop(s);
     }
 }
@@ -382,7 +382,7 @@ static void change_scene(twins *t, uint32_t what)
         if (what == 3) daft_scene_cast_ray(s->scene, from, daft_v3(0, -1, 0), 100, (daft_entity){0}, &hit, NULL);
         if (what == 4) assert_true(daft_material_set(s->scene, t->material[i][material], &def, NULL));
         if (what == 5) assert_true(daft_mesh_set_positions(s->scene, t->mesh[i], corners, NULL, 4, NULL));
-        if (what == 6) s->view.intersection = material ? DAFT_INTERSECT_FAST : DAFT_INTERSECT_EXACT;
+        if (what == 6) s->view.quality.visibility = material ? DAFT_INTERSECT_FAST : DAFT_INTERSECT_EXACT;
     }
 }
 

@@ -96,13 +96,13 @@ static void color_is_the_picture_before_it_is_bytes(void **unused)
     const char *files[] = {"hello.scene", "temple.scene", NULL};
     for (int i = 0; i < 3; i++) {
         stage *s = stage_make(files[i]);
-        s->view.edge_samples = 0;
+        s->view.quality.edge_samples = 0;
         assert_is_picture(s->out.color, draw(s));
         stage_drop(s);
     }
     /* the mean of samples, where none is brighter than a picture can show */
     stage *s = stage_make("islands.scene");
-    s->view.samples = 4, s->view.without = DAFT_WITHOUT_SHADING;
+    s->view.quality.samples = 4, s->view.quality.edge_samples = 0, s->view.without = DAFT_WITHOUT_SHADING;
     assert_is_picture(s->out.color, draw(s));
     stage_drop(s);
 }
@@ -112,7 +112,7 @@ static void albedo_is_the_picture_without_light(void **unused)
 {
     (void)unused;
     stage *s = stage_make("temple.scene"), *plain = stage_make("temple.scene");
-    plain->view.without = DAFT_WITHOUT_SHADING, plain->view.edge_samples = s->view.edge_samples = 0;
+    plain->view.without = DAFT_WITHOUT_SHADING, plain->view.quality.edge_samples = s->view.quality.edge_samples = 0;
     const uint8_t *rgba = draw(plain);
     int colors = 0;
     draw(s);
@@ -135,14 +135,14 @@ static void cost_is_all_rays(void **unused)
     const int edges[] = {0, 4, 16};
     for (int i = 0; i < 6; i++) {
         stage *s = stage_make(files[i / 3]);
-        s->view.edge_samples = edges[i % 3], s->view.shadows = 0;
+        s->view.quality.edge_samples = edges[i % 3], s->view.quality.shadows = 0;
         draw(s);
         const daft_counters *c = daft_scene_counters(s->scene);
         uint64_t sum = 0;
         for (int k = 0; k < PIXELS; k++) sum += s->out.cost[k];
         assert_int_equal(sum, c->camera_rays + c->reflection_rays + c->refraction_rays);
         assert_true(sum > PIXELS);
-        s->view.shadows = 1, s->view.edge_samples = 0;
+        s->view.quality.shadows = 1, s->view.quality.edge_samples = 0;
         draw(s);
         uint64_t more = 0;
         for (int k = 0; k < PIXELS; k++) more += s->out.cost[k];

@@ -80,10 +80,10 @@ static void come_close_to_many_samples(void **unused)
     for (size_t i = 0; i < sizeof scenes / sizeof scenes[0]; i++) {
         stage s;
         stage_make(&s, scenes[i]);
-        s.view.samples = 16, draw(&s, truth);
-        s.view.samples = 1, draw(&s, none);
-        s.view.edge_samples = 4, draw(&s, four);
-        s.view.edge_samples = 16, draw(&s, sixteen);
+        s.view.quality.samples = 16, s.view.quality.edge_samples = 0, draw(&s, truth);
+        s.view.quality.samples = 1, draw(&s, none);
+        s.view.quality.edge_samples = 4, draw(&s, four);
+        s.view.quality.edge_samples = 16, draw(&s, sixteen);
         double before = distance(none, truth), after[2] = {distance(four, truth), distance(sixteen, truth)};
         print_message("%s: error %.4f, 4: %.4f, 16: %.4f\n", scenes[i], before, after[0], after[1]);
         assert_true(after[0] < before && after[1] < 0.75 * before);
@@ -99,8 +99,8 @@ static void more_samples_come_closer(void **unused)
     const int counts[4] = {16, 1, 4, 8};
     stage s;
     stage_make(&s, "islands.scene");
-    s.view.edge_samples = 0;
-    for (int i = 0; i < 4; i++) s.view.samples = counts[i], draw(&s, pictures[i]);
+    s.view.quality.edge_samples = 0;
+    for (int i = 0; i < 4; i++) s.view.quality.samples = counts[i], draw(&s, pictures[i]);
     double before = 1;
     for (int i = 1; i < 4; i++) {
         const double now = distance(pictures[i], pictures[0]);
@@ -128,7 +128,7 @@ static void an_outline_is_its_coverage(void **unused)
     assert_true(daft_entity_create(s.scene, &ball, NULL).id);
     const double radius = WIDTH / 2.0 / sqrt(8);
     for (int samples = 4; samples <= 16; samples *= 4) {
-        s.view.edge_samples = samples;
+        s.view.quality.edge_samples = samples;
         draw(&s, rgba);
         double worst = 0;
         int between = 0;
@@ -156,10 +156,10 @@ static void nothing_else_changes(void **unused)
     static uint8_t without[4 * PIXELS], with[4 * PIXELS];
     stage s;
     stage_make(&s, "hello.scene");
-    s.view.edge_samples = 0, draw(&s, without);
+    s.view.quality.edge_samples = 0, draw(&s, without);
     assert_false(daft_scene_counters(s.scene)->effects[DAFT_EFFECT_ANTIALIASING].ran);
     assert_int_equal(daft_scene_counters(s.scene)->effects[DAFT_EFFECT_ANTIALIASING].bytes, 0);
-    s.view.edge_samples = 16, draw(&s, with);
+    s.view.quality.edge_samples = 16, draw(&s, with);
     assert_true(daft_scene_counters(s.scene)->effects[DAFT_EFFECT_ANTIALIASING].rays > 1000);
     int changed = 0;
     for (int y = 1; y < HEIGHT - 1; y++)
@@ -173,7 +173,7 @@ static void nothing_else_changes(void **unused)
             changed += !same;
         }
     assert_true(changed > 500);
-    s.view.edge_samples = 4, draw(&s, with);
+    s.view.quality.edge_samples = 4, draw(&s, with);
     changed = 0;
     for (int i = 0; i < PIXELS; i++) {
         for (int c = 0; c < 3; c++) /* half of a pixel is its own middle */
@@ -196,7 +196,7 @@ static void bands_are_the_picture(void **unused)
     stage s;
     stage_make(&s, "temple.scene");
     for (int samples = 4; samples <= 16; samples *= 4) {
-        s.view.edge_samples = samples, s.view.first_row = s.view.row_count = 0;
+        s.view.quality.edge_samples = samples, s.view.first_row = s.view.row_count = 0;
         draw(&s, whole);
         memset(daft_image_pixels(s.image), 7, 4 * PIXELS);
         for (int row = 0; row < HEIGHT; row += 32) {
@@ -228,9 +228,9 @@ static void stops_in_between(void **unused)
     assert_false(daft_render(s.scene, &s.view, s.image, &error));
     assert_int_equal(error.code, DAFT_ERROR_CANCELLED);
     assert_true(calls > 5);
-    s.view.edge_samples = 5;
+    s.view.quality.edge_samples = 5;
     assert_false(daft_render(s.scene, &s.view, s.image, &error));
-    assert_string_equal(error.message, "edge_samples is 5; it must be -1 (the quality's), 0, 4 or 16");
+    assert_string_equal(error.message, "quality.edge_samples is 5; it must be 0, 4 or 16");
     stage_drop(&s);
 }
 

@@ -43,7 +43,7 @@ static void white_sky(stage *s)
 {
     daft_scene_set_sky_color(s->scene, daft_v3(1, 1, 1));
     daft_scene_set_ambient(s->scene, daft_v3(0, 0, 0));
-    s->view.edge_samples = 0;
+    s->view.quality.edge_samples = 0;
 }
 
 /* The furnace: what loses no light is not to be seen before a white sky, however rough. */
@@ -59,10 +59,11 @@ static void nothing_is_lost_under_a_white_sky(void **unused)
         if (k >= 5) { /* some of it mirrored, the rest let through */
             m.mirror = 0, m.transmission = 1;
         }
-        s->view.mirror_depth = s->view.refraction_depth = 32, s->view.min_weight = 0;
+        s->view.quality.mirror_depth = s->view.quality.refraction_depth = 32, s->view.quality.min_weight = 0;
         add_ball(s, &m, daft_dv3(3, 0, 1.2), 0.8f);
         for (int denoise = 0; denoise < 2; denoise++) {
-            s->view.denoise = denoise, s->view.samples = denoise ? 4 : 1, s->view.glossy_samples = 1 + 2 * denoise;
+            s->view.quality.denoise = denoise, s->view.quality.samples = denoise ? 4 : 1,
+            s->view.quality.glossy_samples = 1 + 2 * denoise;
             draw(s);
             double worst = 0, sum = 0;
             for (int i = 0; i < PIXELS; i++)
@@ -83,7 +84,7 @@ static void read_sky(double sky[HEIGHTS + 1])
 {
     stage *s = stage_make(1, NULL);
     daft_scene_set_sky_gradient(s->scene, daft_v3(0.9f, 0.9f, 0.9f), daft_v3(0.1f, 0.1f, 0.1f));
-    s->view.camera.fov = 0.001f, s->view.edge_samples = 0;
+    s->view.camera.fov = 0.001f, s->view.quality.edge_samples = 0;
     for (int i = 0; i <= HEIGHTS; i++) {
         s->view.camera.pitch = (float)-asin((double)i / HEIGHTS);
         draw(s);
@@ -134,7 +135,8 @@ static void rough_mirrors_follow_ggx(void **unused)
         daft_scene_set_sky_gradient(s->scene, daft_v3(0.9f, 0.9f, 0.9f), daft_v3(0.1f, 0.1f, 0.1f));
         const double pitch = k < 4 ? 1.1 : 0.25;
         s->view.camera.position = daft_dv3(0, 5, 0), s->view.camera.pitch = (float)pitch;
-        s->view.camera.fov = 0.02f, s->view.denoise = 0, s->view.glossy_samples = 64, s->view.edge_samples = 0;
+        s->view.camera.fov = 0.02f, s->view.quality.denoise = 0, s->view.quality.glossy_samples = 64,
+        s->view.quality.edge_samples = 0;
         draw(s);
         double mean = 0;
         for (int i = 0; i < PIXELS; i++) mean += (double)s->color[i].x / PIXELS;
@@ -151,7 +153,7 @@ static void furnish(stage *s)
     daft_error error = {0};
     if (!daft_scene_load(s->scene, DAFT_ROOT "/assets/scenes/studio.scene", &error)) fail_msg("%s", error.message);
     assert_true(daft_scene_get_camera(s->scene, 0, &s->view.camera, &error));
-    s->view.edge_samples = 0, s->view.mirror_depth = 3, s->view.refraction_depth = 4;
+    s->view.quality.edge_samples = 0, s->view.quality.mirror_depth = 3, s->view.quality.refraction_depth = 4;
 }
 
 /* Without rays for roughness all is smooth, to the byte; and what is smooth casts none of them. */
@@ -166,15 +168,15 @@ static void only_rough_surfaces_are_sampled(void **unused)
         add_ball(both[k], &m, daft_dv3(3, 0, 0), 1);
         add_floor(both[k], &m, 1), add_ball(both[k], &m, daft_dv3(5, 0, 2), 1);
     }
-    rough->view.glossy_samples = 0;
+    rough->view.quality.glossy_samples = 0;
     for (int k = 0; k < 2; k++) assert_false(draw(both[k])->effects[DAFT_EFFECT_DENOISE].ran);
     assert_memory_equal(daft_image_pixels(smooth->image), daft_image_pixels(rough->image), 4 * PIXELS);
     const uint64_t rays = draw(smooth)->reflection_rays, bytes = draw(smooth)->effects[DAFT_EFFECT_REFLECTION].bytes;
-    smooth->view.glossy_samples = 16;
+    smooth->view.quality.glossy_samples = 16;
     assert_int_equal(draw(smooth)->reflection_rays, rays);
     assert_int_equal(draw(smooth)->effects[DAFT_EFFECT_REFLECTION].bytes, bytes);
-    rough->view.glossy_samples = 4, rough->view.mirror_depth = 1, rough->view.denoise = 0;
-    smooth->view.mirror_depth = 1;
+    rough->view.quality.glossy_samples = 4, rough->view.quality.mirror_depth = 1, rough->view.quality.denoise = 0;
+    smooth->view.quality.mirror_depth = 1;
     assert_int_equal(draw(rough)->reflection_rays, 4 * draw(smooth)->reflection_rays);
     assert_true(draw(rough)->effects[DAFT_EFFECT_REFLECTION].bytes > bytes);
     stage_drop(smooth), stage_drop(rough);
@@ -184,7 +186,7 @@ static void find_truth(stage *s, daft_vec3 *truth)
 {
     const daft_view kept = s->view;
     s->view.history = NULL;
-    s->view.denoise = 0, s->view.samples = 16, s->view.glossy_samples = 16;
+    s->view.quality.denoise = 0, s->view.quality.samples = 16, s->view.quality.glossy_samples = 16;
     draw(s);
     memcpy(truth, s->color, PIXELS * sizeof *truth);
     s->view = kept;
@@ -200,12 +202,12 @@ static void denoised_is_closer(void **unused)
     find_truth(s, truth);
     double raw[2], filtered[2];
     for (int k = 0; k < 2; k++) {
-        s->view.samples = k ? 4 : 1, s->view.glossy_samples = 1;
-        s->view.denoise = 0, draw(s), raw[k] = distance(s->color, truth);
-        s->view.denoise = 1;
+        s->view.quality.samples = k ? 4 : 1, s->view.quality.glossy_samples = 1;
+        s->view.quality.denoise = 0, draw(s), raw[k] = distance(s->color, truth);
+        s->view.quality.denoise = 1;
         assert_true(draw(s)->effects[DAFT_EFFECT_DENOISE].ran);
         filtered[k] = distance(s->color, truth);
-        print_message("%d samples: error %.4f, denoised %.4f\n", s->view.samples, raw[k], filtered[k]);
+        print_message("%d samples: error %.4f, denoised %.4f\n", s->view.quality.samples, raw[k], filtered[k]);
     }
     assert_true(filtered[0] < 0.75 * raw[0] && filtered[1] < 0.85 * raw[1]);
     stage_drop(s);
@@ -227,10 +229,10 @@ static void reflections_are_sharp_where_things_touch(void **unused)
     wall.shape = DAFT_SHAPE_BOX, wall.size = daft_v3(0.1f, 0.25f, 1), wall.position = daft_dv3(4, 0.125, 0);
     add(s, &white, wall);
     s->view.camera.position = daft_dv3(0, 1, 0), s->view.camera.pitch = 0.3f, s->view.camera.fov = 0.6f;
-    s->view.edge_samples = 0, s->view.glossy_samples = 64, s->view.denoise = 0;
+    s->view.quality.edge_samples = 0, s->view.quality.glossy_samples = 64, s->view.quality.denoise = 0;
     draw(s);
     memcpy(truth, s->color, sizeof truth);
-    s->view.glossy_samples = 1, s->view.denoise = 1;
+    s->view.quality.glossy_samples = 1, s->view.quality.denoise = 1;
     draw(s);
     double sum = 0;
     int count = 0;
@@ -252,7 +254,7 @@ static void pictures_that_follow_each_other_help(void **unused)
     furnish(s);
     const daft_camera from = s->view.camera;
     double with = 0, alone = 0;
-    s->view.glossy_samples = 1;
+    s->view.quality.glossy_samples = 1;
     assert_non_null(s->view.history = daft_history_create(s->engine, &error));
     for (int k = 0; k < 10; k++) {
         s->view.camera = from;
@@ -285,8 +287,8 @@ static void pictures_are_the_same_everywhere(void **unused)
             daft_engine_destroy(probe);
             stage *s = stage_make(isa + 1, def.isa);
             furnish(s);
-            s->view.edge_samples = -1;
-            if (many) s->view.samples = 4, s->view.glossy_samples = 2, s->view.denoise = 1;
+            s->view.quality.edge_samples = many ? 0 : 4;
+            if (many) s->view.quality.samples = 4, s->view.quality.glossy_samples = 2, s->view.quality.denoise = 1;
             draw(s);
             if (isa == 0) memcpy(first, daft_image_pixels(s->image), sizeof first);
             assert_memory_equal(first, daft_image_pixels(s->image), sizeof first);

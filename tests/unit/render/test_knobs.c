@@ -59,10 +59,10 @@ static uint64_t draw(stage *s, const daft_view *view)
     return daft_hash(daft_image_pixels(s->image), BYTES, 0);
 }
 
-static daft_view view_of(daft_quality quality)
+static daft_view view_of(daft_preset quality)
 {
     daft_view view = daft_default_view();
-    view.quality = quality;
+    view.quality = daft_preset_quality(quality);
     return view;
 }
 
@@ -72,9 +72,9 @@ static void test_knobs_make_one_quality_another(void **unused)
     (void)unused;
     stage s;
     stage_make(&s);
-    daft_view high = view_of(DAFT_QUALITY_HIGH), made = view_of(DAFT_QUALITY_DRAFT), draft = made;
-    made.samples = 4, made.mirror_depth = 6, made.refraction_depth = 16, made.min_weight = 1.0f / 2048,
-    made.shadows = 1;
+    daft_view high = view_of(DAFT_PRESET_HIGH), made = view_of(DAFT_PRESET_DRAFT), draft = made;
+    made.quality.samples = 4, made.quality.mirror_depth = 6, made.quality.refraction_depth = 16;
+    made.quality.min_weight = 1.0f / 2048, made.quality.shadows = true;
     assert_true(draw(&s, &made) == draw(&s, &high));
     assert_true(draw(&s, &draft) != draw(&s, &high));
     stage_drop(&s);
@@ -85,21 +85,21 @@ static void test_each_knob_turns_its_work_off(void **unused)
     (void)unused;
     stage s;
     stage_make(&s);
-    daft_view view = view_of(DAFT_QUALITY_GAME);
+    daft_view view = view_of(DAFT_PRESET_GAME);
     uint64_t all = draw(&s, &view);
     const daft_counters *c = daft_scene_counters(s.scene);
     assert_true(c->effects[DAFT_EFFECT_SHADOW].ran && c->effects[DAFT_EFFECT_REFLECTION].ran);
     assert_true(c->effects[DAFT_EFFECT_REFRACTION].ran);
-    view.shadows = 0;
+    view.quality.shadows = 0;
     assert_true(draw(&s, &view) != all);
     assert_false(daft_scene_counters(s.scene)->effects[DAFT_EFFECT_SHADOW].ran);
-    view = view_of(DAFT_QUALITY_GAME), view.mirror_depth = 0;
+    view = view_of(DAFT_PRESET_GAME), view.quality.mirror_depth = 0;
     assert_true(draw(&s, &view) != all);
     assert_false(daft_scene_counters(s.scene)->effects[DAFT_EFFECT_REFLECTION].ran);
-    view = view_of(DAFT_QUALITY_GAME), view.refraction_depth = 0;
+    view = view_of(DAFT_PRESET_GAME), view.quality.refraction_depth = 0;
     assert_true(draw(&s, &view) != all);
     assert_false(daft_scene_counters(s.scene)->effects[DAFT_EFFECT_REFRACTION].ran);
-    view = view_of(DAFT_QUALITY_GAME), view.min_weight = 1;
+    view = view_of(DAFT_PRESET_GAME), view.quality.min_weight = 1;
     assert_true(draw(&s, &view) != all);
     stage_drop(&s);
 }
@@ -110,14 +110,125 @@ static void test_deepest_and_out_of_range(void **unused)
     stage s;
     stage_make(&s);
     daft_error error;
-    daft_view view = view_of(DAFT_QUALITY_GAME);
-    view.mirror_depth = view.refraction_depth = 32, view.min_weight = 0;
+    daft_view view = view_of(DAFT_PRESET_GAME);
+    view.quality.mirror_depth = view.quality.refraction_depth = 32, view.quality.min_weight = 0;
     draw(&s, &view);
-    view.mirror_depth = 32, view.refraction_depth = 1; /* mirrors deeper than refraction */
+    view.quality.mirror_depth = 32, view.quality.refraction_depth = 1; /* mirrors deeper than refraction */
     draw(&s, &view);
-    view.mirror_depth = 33;
+    view.quality.mirror_depth = 33;
     assert_false(daft_render(s.scene, &view, s.image, &error));
-    assert_non_null(strstr(error.message, "mirror_depth"));
+    assert_string_equal(error.message, "quality.mirror_depth is 33; it must be between 0 and 32");
+    stage_drop(&s);
+}
+
+/* ---- presets ---------------------------------------------------------------------------------------------------- */
+
+/* The defaults of the rows are those of the preset `game`; every preset is one that daft_render takes. */
+static void test_presets_are_whole(void **unused)
+{
+    (void)unused;
+    daft_error error;
+    char bytes[2][256];
+    const daft_quality game = daft_preset_quality(DAFT_PRESET_GAME);
+    daft_quality rows;
+    daft_struct_default(DAFT_STRUCT_QUALITY, &rows);
+    const size_t size = daft_struct_pack(DAFT_STRUCT_QUALITY, &rows, bytes[0], sizeof bytes[0]);
+    assert_true(size > 40 && size <= sizeof bytes[0]);
+    daft_struct_pack(DAFT_STRUCT_QUALITY, &game, bytes[1], sizeof bytes[1]);
+    assert_memory_equal(bytes[0], bytes[1], size);
+    for (daft_preset preset = DAFT_PRESET_DRAFT; preset <= DAFT_PRESET_REFERENCE; preset++) {
+        daft_preset same;
+        const daft_quality quality = daft_preset_quality(preset);
+        assert_true(daft_struct_check(DAFT_STRUCT_QUALITY, &quality, &error));
+        assert_true(daft_preset_parse(daft_preset_name(preset), &same) && same == preset);
+    }
+    assert_int_equal(daft_preset_quality((daft_preset)77).edge_samples, game.edge_samples);
+    assert_string_equal(daft_preset_name((daft_preset)77), "unknown");
+}
+
+static void test_a_scene_keeps_what_it_asks_for(void **unused)
+{
+    (void)unused;
+    stage s;
+    daft_error error;
+    stage_make(&s);
+    assert_int_equal(daft_scene_quality(s.scene).samples, 1);
+    const uint64_t state = daft_scene_hash(s.scene);
+    daft_quality wish = daft_preset_quality(DAFT_PRESET_HIGH);
+    assert_true(daft_scene_set_quality(s.scene, &wish, &error));
+    assert_int_equal(daft_scene_quality(s.scene).samples, 4);
+    assert_true(daft_scene_hash(s.scene) == state);
+    wish.samples = 3;
+    assert_false(daft_scene_set_quality(s.scene, &wish, &error));
+    assert_string_equal(error.message, "samples is 3; it must be 1, 4, 8 or 16");
+    assert_int_equal(daft_scene_quality(s.scene).samples, 4);
+    stage_drop(&s);
+}
+
+/* ---- single knobs ------------------------------------------------------------------------------------------------ */
+
+static void test_trees_draw_one_picture(void **unused)
+{
+    (void)unused;
+    stage s;
+    stage_make(&s);
+    daft_view view = view_of(DAFT_PRESET_GAME);
+    const uint64_t raster = draw(&s, &view);
+    view.quality.tree = DAFT_TREE_BVH;
+    assert_true(draw(&s, &view) == raster);
+    view.quality.tree = DAFT_TREE_KDTREE;
+    assert_true(draw(&s, &view) == raster);
+    view.quality.tree = DAFT_TREE_RASTER; /* the trees that were built are no longer used */
+    assert_true(draw(&s, &view) == raster);
+    stage_drop(&s);
+}
+
+/* A picture drawn at half the size: each filter gives another, nearest is made of the small picture's pixels, and equal
+ * pixels stay as they are. */
+static void test_scales(void **unused)
+{
+    (void)unused;
+    stage s;
+    daft_error error;
+    stage_make(&s);
+    daft_view view = view_of(DAFT_PRESET_GAME);
+    uint64_t all[3];
+    view.quality.scale = 0.5f;
+    for (int i = 0; i < 3; i++) view.quality.upscale = (daft_upscale)i, all[i] = draw(&s, &view);
+    assert_true(all[0] != all[1] && all[1] != all[2] && all[0] != all[2]);
+    assert_int_equal(daft_scene_counters(s.scene)->width, daft_image_width(s.image) / 2);
+    static uint8_t enlarged[BYTES];
+    memcpy(enlarged, daft_image_pixels(s.image), BYTES);
+    const int width = daft_image_width(s.image), height = daft_image_height(s.image);
+    daft_image *small = daft_image_create(s.engine, width / 2, height / 2, &error);
+    view.quality.scale = 1;
+    assert_true(daft_render(s.scene, &view, small, &error));
+    for (int i = 0; i < width * height; i++)
+        assert_memory_equal(enlarged + 4 * i,
+                            daft_image_pixels(small) + 4 * (i / width / 2 * (width / 2) + i % width / 2), 4);
+    daft_image_destroy(small);
+    view.quality.scale = 0.5f, view.first_row = 32;
+    assert_false(daft_render(s.scene, &view, s.image, &error));
+    assert_string_equal(error.message,
+                        "quality.scale is 0.5; it must be 1 where a view has channels or is a band of the "
+                        "picture");
+    stage_drop(&s);
+}
+
+/* The ground of the scene has a texture, seen from afar and from near. */
+static void test_texture_filters_differ(void **unused)
+{
+    (void)unused;
+    stage s;
+    daft_error error;
+    stage_make(&s);
+    if (!daft_scene_load(s.scene, DAFT_ROOT "/assets/scenes/hello.scene", &error)) fail_msg("%s", error.message);
+    daft_view view = view_of(DAFT_PRESET_GAME);
+    assert_true(daft_scene_get_camera(s.scene, 0, &view.camera, &error));
+    uint64_t all[4];
+    for (int i = 0; i < 4; i++) view.quality.texture_filter = (daft_texture_filter)i, all[i] = draw(&s, &view);
+    for (int i = 0; i < 4; i++)
+        for (int k = 0; k < i; k++) assert_true(all[i] != all[k]);
     stage_drop(&s);
 }
 
@@ -125,6 +236,11 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_knobs_make_one_quality_another),
                                        cmocka_unit_test(test_each_knob_turns_its_work_off),
+                                       cmocka_unit_test(test_presets_are_whole),
+                                       cmocka_unit_test(test_a_scene_keeps_what_it_asks_for),
+                                       cmocka_unit_test(test_trees_draw_one_picture),
+                                       cmocka_unit_test(test_scales),
+                                       cmocka_unit_test(test_texture_filters_differ),
                                        cmocka_unit_test(test_deepest_and_out_of_range)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -168,7 +168,7 @@ static void change_at_random(int threads, bool mirrors, int antialiasing, int st
 {
     stage *s = stage_make(threads, mirrors);
     uint64_t drawn = 0;
-    s->view.edge_samples = antialiasing;
+    s->view.quality.edge_samples = antialiasing;
     draw_both(s, "the first picture", 0);
     for (int i = 0; i < steps; i++) drawn += draw_both(s, change(s, mirrors), i);
     print_message("%.0f %% of the tiles\n", 100.0 * (double)drawn / ((double)TILES * steps));
@@ -231,7 +231,9 @@ static void a_camera_that_moves_draws_in_full(void **state)
     }
     draw(s); /* the first from where it stands now is kept */
     assert_int_equal(draw_both(s, "the camera stands", 0), 0);
-    s->view.samples = 4;
+    s->view.quality.texture_filter = DAFT_TEXTURE_NEAREST;
+    assert_int_equal(draw_both(s, "another filter", 0), TILES);
+    s->view.quality.samples = 4;
     assert_int_equal(draw_both(s, "more samples", 0), TILES);
     daft_scene_set_ambient(s->scene, daft_v3(0.1f, 0.2f, 0.3f));
     assert_int_equal(draw_both(s, "another ambient light", 0), TILES);

@@ -119,7 +119,7 @@ static void same_bytes_however_computed(void **unused)
                 snprintf(path, sizeof path, "%s/%s", DAFT_ROOT, scenes[i]);
                 if (!daft_scene_load(s->scene, path, &error)) fail_msg("%s", error.message);
                 assert_true(daft_scene_get_camera(s->scene, 0, &s->view.camera, &error));
-                s->view.reference = kind == 3;
+                s->view.quality.tree = kind == 3 ? DAFT_TREE_BVH : DAFT_TREE_RASTER;
                 draw(s);
                 uint64_t hash = daft_hash(daft_image_pixels(s->image), 4 * PIXELS, 0);
                 hash = daft_hash(s->depth, sizeof s->depth, hash);
@@ -210,7 +210,7 @@ static void spot_cone(void **unused)
 static void box_shadow(daft_vec3 to_sun, bool source)
 {
     stage *s = stage_make(NULL, 2);
-    s->view.samples = 1;
+    s->view.quality.edge_samples = 0;
     daft_scene_set_ambient(s->scene, daft_v3(0, 0, 0));
     daft_material white = matte(s, 0.8f, 0, 0);
     daft_entity ground = add(s, box(daft_dv3(0, -1.5, 0), daft_v3(60, 1, 60), white));
@@ -260,7 +260,7 @@ static void plane_mirror(void **unused)
 {
     (void)unused;
     stage *s = stage_make(NULL, 1);
-    s->view.samples = 1;
+    s->view.quality.edge_samples = 0;
     daft_scene_set_ambient(s->scene, daft_v3(1, 1, 1));
     daft_scene_set_sky_color(s->scene, daft_v3(0.1f, 0.2f, 0.4f));
     daft_entity floor = add(s, box(daft_dv3(0, -0.5, 0), daft_v3(100, 1, 100), matte(s, 0, 0, 1)));
@@ -309,7 +309,7 @@ static stage *mirrored_stage(const char *isa, int threads, uint32_t cells, int t
     daft_scene_set_ambient(s->scene, daft_v3(0.4f, 0.5f, 0.6f));
     daft_scene_set_sky_color(s->scene, daft_v3(0.1f, 0.2f, 0.4f));
     sun(s, daft_v3(-1, -2, -0.5f));
-    s->view.edge_samples = 0; /* a mirror of many triangles has more creases */
+    s->view.quality.edge_samples = 0; /* a mirror of many triangles has more creases */
     add_plane_mirror(s, cells, matte(s, 0.1f, 0.1f, 0.8f));
     for (int i = 0; i < 24; i++) {
         double x = i % 6 * 2.3 - 5.5, z = i / 6 * 3.1 - 4.6;
@@ -378,7 +378,7 @@ static void only_what_is_called_for(void **unused)
     assert_true(c->shadow_rays > 0 && c->shadow_rays < PIXELS / 4);
     assert_int_equal(c->shadow_points_kept, c->shadow_rays);
     uint64_t builds = c->mesh_builds;
-    s->view.quality = DAFT_QUALITY_DRAFT;
+    s->view.quality = daft_preset_quality(DAFT_PRESET_DRAFT);
     c = draw(s);
     assert_true(c->shadow_rays == 0 && c->mesh_builds == builds); /* nothing is rebuilt for a frame */
     stage_drop(s);
@@ -430,7 +430,7 @@ static void samples_soften_edges(void **unused)
     add(s, sphere(daft_dv3(3, 0, 0), 1, matte(s, 0, 1, 0)));
     const int samples[] = {1, 4, 16};
     for (int k = 0; k < 3; k++) {
-        s->view.samples = samples[k];
+        s->view.quality.samples = samples[k], s->view.quality.edge_samples = 0;
         draw(s);
         int between = 0, white = 0;
         for (int i = 0; i < PIXELS; i++) {
@@ -474,7 +474,7 @@ static void bands_are_the_picture(void **state)
     assert_true(daft_scene_load(s->scene, DAFT_ROOT "/assets/scenes/temple.scene", NULL));
     assert_true(daft_scene_get_camera(s->scene, 0, &s->view.camera, NULL));
     for (int samples = 1; samples <= 4; samples *= 4) {
-        s->view.samples = samples, s->view.first_row = s->view.row_count = 0;
+        s->view.quality.samples = samples, s->view.quality.edge_samples = 0, s->view.first_row = s->view.row_count = 0;
         draw(s);
         memcpy(whole, daft_image_pixels(s->image), sizeof whole);
         memcpy(depth, s->depth, sizeof depth), memcpy(entity, s->entity, sizeof entity);

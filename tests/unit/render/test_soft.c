@@ -45,7 +45,7 @@ static void look_down(stage *s)
 {
     s->view.camera.position = (daft_dvec3){0, 3, 0};
     s->view.camera.pitch = 1.5707963f, s->view.camera.fov = 1;
-    s->view.edge_samples = 0;
+    s->view.quality.edge_samples = 0;
 }
 
 static daft_dvec3 floor_point(const stage *s, int pixel)
@@ -75,7 +75,7 @@ static void penumbras_are_the_open_part_of_the_light(void **unused)
         add_box(s, (daft_dvec3){-20, 3.5, 0}, (daft_vec3){40, 1e-5f, 40}); /* above the camera */
         const float size = kinds[k] == DAFT_LIGHT_SUN ? 0.1f : 0.08f;
         add_light(s, kinds[k], size);
-        s->view.shadow_samples = 64, s->view.denoise = 0;
+        s->view.quality.shadow_samples = 64, s->view.quality.denoise = 0;
         assert_true(draw(s)->effects[DAFT_EFFECT_SHADOW].rays > 64 * PIXELS / 2);
         double worst = 0, sum = 0;
         int soft = 0;
@@ -113,7 +113,7 @@ static void occlusion_is_the_open_part_of_the_hemisphere(void **unused)
     daft_scene_set_ambient_occlusion(s->scene, 1);
     add_box(s, (daft_dvec3){0, -0.05, 0}, (daft_vec3){8, 0.1f, 8});
     add_box(s, (daft_dvec3){-4.5, 1.0, 0}, (daft_vec3){9, 2, 20}); /* its side is at x = 0 */
-    s->view.occlusion_samples = 64, s->view.denoise = 0;
+    s->view.quality.occlusion_samples = 64, s->view.quality.denoise = 0;
     assert_true(draw(s)->effects[DAFT_EFFECT_OCCLUSION].ran);
     double worst = 0, sum = 0;
     int count = 0;
@@ -199,7 +199,7 @@ static void nothing_is_sampled_that_nobody_asked_for(void **unused)
         add_box(s, (daft_dvec3){0, 1, 0}, (daft_vec3){1, 1, 1});
         add_light(s, DAFT_LIGHT_POINT, k == 1 ? 0.2f : 0);
         if (k == 2) daft_scene_set_ambient_occlusion(s->scene, 2);
-        s->view.shadow_samples = s->view.occlusion_samples = k ? 0 : 8;
+        s->view.quality.shadow_samples = s->view.quality.occlusion_samples = k ? 0 : 8;
         const daft_counters *c = draw(s);
         assert_false(c->effects[DAFT_EFFECT_OCCLUSION].ran || c->effects[DAFT_EFFECT_DENOISE].ran);
         assert_int_equal(c->effects[DAFT_EFFECT_OCCLUSION].rays, 0);
@@ -213,7 +213,7 @@ static void nothing_is_sampled_that_nobody_asked_for(void **unused)
         add_box(both[k], (daft_dvec3){0, -0.05, 0}, (daft_vec3){8, 0.1f, 8});
         add_box(both[k], (daft_dvec3){0.3, 1, 0.2}, (daft_vec3){1, 1, 1});
         add_light(both[k], DAFT_LIGHT_POINT, k ? 0.3f : 0);
-        both[k]->view.shadow_samples = 0;
+        both[k]->view.quality.shadow_samples = 0;
         draw(both[k]);
     }
     assert_memory_equal(daft_image_pixels(a->image), daft_image_pixels(b->image), 4 * PIXELS);
@@ -236,15 +236,15 @@ static void denoised_is_closer(void **unused)
     static daft_vec3 truth[PIXELS];
     stage *s = stage_make(2, NULL);
     furnish(s);
-    s->view.edge_samples = 0, s->view.denoise = 0;
-    s->view.shadow_samples = s->view.occlusion_samples = 64;
+    s->view.quality.edge_samples = 0, s->view.quality.denoise = 0;
+    s->view.quality.shadow_samples = s->view.quality.occlusion_samples = 64;
     draw(s);
     memcpy(truth, s->color, sizeof truth);
     double raw[3], filtered[3];
     for (int k = 0; k < 3; k++) {
-        s->view.shadow_samples = s->view.occlusion_samples = 1 << 2 * k;
-        s->view.denoise = 0, draw(s), raw[k] = distance(s->color, truth);
-        s->view.denoise = 1;
+        s->view.quality.shadow_samples = s->view.quality.occlusion_samples = 1 << 2 * k;
+        s->view.quality.denoise = 0, draw(s), raw[k] = distance(s->color, truth);
+        s->view.quality.denoise = 1;
         assert_true(draw(s)->effects[DAFT_EFFECT_DENOISE].ran);
         filtered[k] = distance(s->color, truth);
         print_message("%d samples: error %.4f, denoised %.4f\n", 1 << 2 * k, raw[k], filtered[k]);
@@ -261,7 +261,7 @@ static void pictures_that_follow_each_other_help(void **unused)
     daft_error error = {0};
     stage *s = stage_make(2, NULL);
     furnish(s);
-    s->view.edge_samples = 0, s->view.shadow_samples = s->view.occlusion_samples = 1;
+    s->view.quality.edge_samples = 0, s->view.quality.shadow_samples = s->view.quality.occlusion_samples = 1;
     assert_non_null(s->view.history = daft_history_create(s->engine, &error));
     const daft_camera from = s->view.camera;
     for (int k = 0; k < 12; k++) {
@@ -277,7 +277,7 @@ static void pictures_that_follow_each_other_help(void **unused)
     static daft_vec3 single[PIXELS];
     memcpy(single, alone, sizeof single);
     daft_history_destroy(s->view.history), s->view.history = NULL;
-    s->view.shadow_samples = s->view.occlusion_samples = 64, s->view.denoise = 0;
+    s->view.quality.shadow_samples = s->view.quality.occlusion_samples = 64, s->view.quality.denoise = 0;
     draw(s);
     memcpy(truth, s->color, sizeof truth);
     const double with = distance(last, truth), without = distance(single, truth);
@@ -303,7 +303,7 @@ static void what_was_hidden_begins_anew(void **unused)
         ball[k] = daft_entity_create(both[k]->scene, &def, &error);
         assert_true(ball[k].id);
         add_light(both[k], DAFT_LIGHT_POINT, 0.3f);
-        both[k]->view.shadow_samples = 4;
+        both[k]->view.quality.shadow_samples = 4;
         assert_non_null(both[k]->view.history = daft_history_create(both[k]->engine, &error));
     }
     for (int i = 0; i < 5; i++) draw(s), draw(fresh);

@@ -12,9 +12,13 @@
 
 #include <cmocka.h>
 
+#include <math.h>
+
 #include <unistd.h>
 
 #include "accuracy/report.h"
+#include "accuracy/sim.h"
+#include "common/quality.h"
 #include "json.h"
 #include "runtime_program.h"
 
@@ -27,14 +31,14 @@ enum { POINTS = 5 };
 /* Each point's times are ms − 1, ms, ms + 1 and ms: a spread of a half or one. */
 static sweep_result front_of(sweep_point *points, const double (*given)[3])
 {
-    sweep_result s = {.points = points, .count = POINTS};
+    sweep_result s = {.points = points, .count = POINTS, .moments = 1};
     for (int i = 0; i < POINTS; i++) {
         double ms = given[i][0];
-        points[i] = (sweep_point){.times = {ms - 1, ms, ms + 1, ms},
-                                  .rounds = 4,
-                                  .errors.flip = given[i][1],
-                                  .half_flip = {given[i][1], given[i][1]},
-                                  .picture = (uint64_t)given[i][2]};
+        points[i] = (sweep_point){.at[0] = {.times = {ms - 1, ms, ms + 1, ms},
+                                            .rounds = 4,
+                                            .errors.flip = given[i][1],
+                                            .half_flip = {given[i][1], given[i][1]},
+                                            .picture = (uint64_t)given[i][2]}};
     }
     return s;
 }
@@ -65,7 +69,8 @@ static void what_the_halves_disagree_on_is_equal(void **unused)
     sweep_result s = front_of(p, given);
     sweep_judge(&s);
     for (int i = 0; i < POINTS; i++) assert_true(p[i].on_front);
-    p[1].half_flip[0] = 0.51, p[3].half_flip[1] = 0.31; /* one half says: no closer than the faster neighbour */
+    p[1].at[0].half_flip[0] = 0.51, p[3].at[0].half_flip[1] = 0.31; /* one half says: no closer than the faster
+                                                                       neighbour */
     sweep_judge(&s);
     assert_int_equal(p[1].beaten_by, 0);
     assert_int_equal(p[3].beaten_by, 2);
@@ -86,6 +91,20 @@ static void a_budget_buys_the_least_error_within_it(void **unused)
     assert_int_equal(sweep_choose(&s, 5), -1);
 }
 
+/* A game's figures are means over its moments, and the worst tile of all. */
+static void moments_are_averaged(void **unused)
+{
+    (void)unused;
+    sweep_point p = {.at = {{.times = {10, 10}, .rounds = 2, .errors = {.rmse = 0.1, .flip = 0.2, .worst = 0.5}},
+                            {.times = {20, 24}, .rounds = 2, .errors = {.rmse = 0.1, .flip = 0.4, .worst = 0.3}}}};
+    p.at[0].temporal = 0.02;
+    sweep_result s = {.points = &p, .count = 1, .moments = 2};
+    sweep_judge(&s);
+    assert_true(fabs(p.ms - 16) < 1e-9 && fabs(p.spread - 1) < 1e-9 && fabs(p.errors.flip - 0.3) < 1e-9);
+    assert_true(p.errors.worst == 0.5 && fabs(p.errors.rmse - 0.1) < 1e-9 && fabs(p.temporal - 0.01) < 1e-9);
+    assert_true(fabs(p.errors.psnr - 20) < 1e-6);
+}
+
 /* ---- advice ---------------------------------------------------------------------------------------------------- */
 
 static void advice_is_options_of_daft_render(void **unused)
@@ -93,21 +112,19 @@ static void advice_is_options_of_daft_render(void **unused)
     (void)unused;
     static const struct {
         const char *knob, *setting, *says;
-        double scale;
     } cases[] = {
-        {"quality", "high", "--quality high --size 64x48", 1},
-        {"samples", "samples=4", "--quality game --knobs samples=4 --size 64x48", 1},
-        {"scale", "scale=0.5", "--quality game --size 32x24", 0.5},
-        {"all", "shadows=0,scale=0.5,samples=4", "--quality game --knobs shadows=0,samples=4 --size 32x24", 0.5},
-        {"all", "scale=0.75,min_weight=1/64", "--quality game --knobs min_weight=1/64 --size 48x36", 0.75}};
-    sweep_result s = {.def = {.view = daft_default_view(), .width = 64, .height = 48}};
+        {"quality", "high", "--quality high --size 64x48"},
+        {"antialiasing", "samples=4,edge_samples=0", "--quality game --knobs samples=4,edge_samples=0 --size 64x48"},
+        {"scale", "scale=0.5,upscale=bicubic", "--quality game --knobs scale=0.5,upscale=bicubic --size 64x48"},
+        {"all", "scale=0.75,min_weight=1/64", "--quality game --knobs scale=0.75,min_weight=1/64 --size 64x48"}};
+    sweep_result s = {.def = {.preset = DAFT_PRESET_GAME, .width = 64, .height = 48}};
     char picture[] = "/tmp/daft-cost-XXXXXX.png";
     int file = mkstemps(picture, 4);
     assert_true(file >= 0);
     close(file);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char options[SENTENCE];
-        sweep_point p = {.knob = cases[i].knob, .set.scale = cases[i].scale};
+        sweep_point p = {.knob = cases[i].knob};
         snprintf(p.setting, sizeof p.setting, "%s", cases[i].setting);
         report_command(&s, &p, options, sizeof options);
         assert_string_equal(options, cases[i].says);
@@ -122,18 +139,27 @@ static void knobs_are_read_by_name(void **unused)
 {
     (void)unused;
     daft_error error;
-    knob_set set = {daft_default_view(), 1};
-    assert_true(knobs_parse("samples=4,shadows=0,min_weight=1/64,intersection=fast,scale=0.5", &set, &error));
-    assert_int_equal(set.view.samples, 4);
-    assert_int_equal(set.view.shadows, 0);
-    assert_true(set.view.min_weight == 1.0f / 64);
-    assert_int_equal(set.view.intersection, DAFT_INTERSECT_FAST);
-    assert_true(set.scale == 0.5);
-    for (size_t k = 0; k < KNOBS; k++) { /* what is printed can be read */
-        for (size_t i = 0; i < knob_at(k)->count; i++) {
-            char text[KNOB_TEXT];
-            if (!knobs_parse(knob_print(text, k, knob_at(k)->values[i]), &set, &error)) fail_msg("%s", error.message);
-        }
+    daft_quality q = daft_preset_quality(DAFT_PRESET_GAME);
+    assert_true(quality_parse("samples=4,shadows=0,min_weight=1/64,visibility=fast,scale=0.5,denoise=off", &q, &error));
+    assert_true(q.samples == 4 && !q.shadows && !q.denoise && q.min_weight == 1.0f / 64 && q.scale == 0.5f);
+    assert_int_equal(q.visibility, DAFT_INTERSECT_FAST);
+    for (size_t k = 0; k < KNOBS; k++) /* what a sweep tries can be read */
+        for (size_t i = 0; i < knob_count(knob_at(k)); i++)
+            if (!quality_parse(knob_at(k)->settings[i], &q, &error)) fail_msg("%s", error.message);
+}
+
+/* A sweep tries every knob that there is. */
+static void every_knob_is_swept(void **unused)
+{
+    (void)unused;
+    uint32_t count;
+    const daft_field *fields = daft_fields(DAFT_STRUCT_QUALITY, &count);
+    for (uint32_t f = 0; f < count; f++) {
+        bool tried = false;
+        for (size_t k = 0; k < KNOBS; k++)
+            for (size_t i = 0; i < knob_count(knob_at(k)); i++)
+                tried |= strstr(knob_at(k)->settings[i], fields[f].name) != NULL;
+        if (!tried) fail_msg("%s is not tried", fields[f].name);
     }
 }
 
@@ -144,20 +170,32 @@ static void wrong_knobs_are_named(void **unused)
         const char *list, *says;
     } wrong[] = {{"smaples=4", "did you mean 'samples'?"},
                  {"samples", "NAME=VALUE expected"},
-                 {"samples=3", "knob samples: '3' is none"},
+                 {"samples=3", "knob samples: '3' is none of its values (1, 4, 8 or 16)"},
                  {"samples=", "'' is none"},
                  {"shadows=0.5", "knob shadows"},
                  {"mirror_depth=33", "knob mirror_depth"},
                  {"mirror_depth=nan", "knob mirror_depth"},
                  {"min_weight=1/0", "knob min_weight"},
                  {"scale=0", "knob scale"},
-                 {"intersection=quick", "knob intersection"}};
+                 {"visibility=quick", "knob visibility: 'quick' is none of its values (exact, watertight or fast)"}};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         daft_error error;
-        knob_set set = {daft_default_view(), 1};
-        assert_false(knobs_parse(wrong[i].list, &set, &error));
+        daft_quality q = daft_preset_quality(DAFT_PRESET_GAME), before = q;
+        assert_false(quality_parse(wrong[i].list, &q, &error));
         assert_says(error.message, wrong[i].says);
+        assert_memory_equal(&q, &before, sizeof q);
     }
+}
+
+/* What the scene asks for gives way to a preset, and both to single knobs. */
+static void wishes_are_joined(void **unused)
+{
+    (void)unused;
+    const quality_wish none = {.preset = QUALITY_OF_SCENE}, high = {DAFT_PRESET_HIGH, NULL},
+                       both = {DAFT_PRESET_HIGH, "samples=16"};
+    assert_int_equal(quality_choose(&none, NULL).edge_samples, 4);
+    assert_int_equal(quality_choose(&high, NULL).samples, 4);
+    assert_int_equal(quality_choose(&both, NULL).samples, 16);
 }
 
 /* ---- the command ------------------------------------------------------------------------------------------------- */
@@ -215,9 +253,85 @@ static void a_report_holds_what_is_promised(void **unused)
     assert_says(json, "\"budget_kept\":true");
     assert_says(page, "</html>");
     assert_says(page, "<svg");
+    assert_says(page, "What a picture of quality game is made of");
+    assert_says(page, "visibility=fast: ");
+    assert_says(json, "\"effect\":\"shadow\"");
     assert_null(strstr(page, "://")); /* nothing comes from a network */
     free(csv), free(json), free(page);
     remove_report(folder);
+}
+
+static void a_simulation_is_measured(void **unused)
+{
+    (void)unused;
+    char folder[32];
+    make_folder(folder);
+    assert_status(run_daft(output, "cost marble --sim --quick --at 2 -o %s", folder), 0, output);
+    assert_says(output, "substeps=16,rate=60");
+    assert_says(output, "The reference takes 3840 steps a second");
+    char *csv = read_report(folder, "points.csv"), *json = read_report(folder, "report.json");
+    char *page = read_report(folder, "index.html");
+    assert_says(csv, "marble,physics,\"substeps=4,rate=60\",");
+    const char *end = json_value(json);
+    assert_non_null(end);
+    assert_int_equal(*json_blanks(end), 0);
+    assert_says(page, "</html>");
+    free(csv), free(json), free(page);
+    remove_report(folder);
+}
+
+/* Finer settings end nearer to the reference: a ball that falls and rolls. */
+static bool stay(void *user, daft_error *error)
+{
+    (void)user, (void)error;
+    return true;
+}
+
+static void finer_simulations_come_closer(void **unused)
+{
+    (void)unused;
+    daft_error error;
+    daft_engine_def engine_def = daft_default_engine_def();
+    daft_engine *engine = daft_engine_create(&engine_def, &error);
+    daft_scene *scene = daft_scene_create(engine, &error);
+    sim_result all;
+    const sim_def def = {scene, 1, stay, NULL, 1};
+    assert_false(sim_run(&all, &def, &error)); /* nothing moves */
+    assert_says(error.message, "nothing to simulate");
+    daft_entity_def ground = daft_default_entity_def(), ball = daft_default_entity_def();
+    ground.shape = DAFT_SHAPE_BOX, ground.size = (daft_vec3){20, 1, 20}, ground.body = DAFT_BODY_STATIC;
+    ball.shape = DAFT_SHAPE_SPHERE, ball.radius = 0.5f, ball.body = DAFT_BODY_DYNAMIC;
+    ball.position = (daft_dvec3){0, 1.3, 0};
+    assert_true(daft_entity_create(scene, &ground, &error).id);
+    const daft_entity thrown = daft_entity_create(scene, &ball, &error);
+    assert_true(daft_entity_set_velocity(scene, thrown, (daft_vec3){3, 0, 0}, (daft_vec3){0, 0, 0}, &error));
+    assert_int_equal(daft_scene_moving(scene, NULL, 0), 1);
+    if (!sim_run(&all, &def, &error)) fail_msg("%s", error.message);
+    print_message("coarsest: %g m, finest: %g m, floor %g m\n", all.settings[0].position, all.settings[10].position,
+                  all.floor);
+    assert_true(all.settings[10].position < all.settings[0].position);
+    assert_true(all.settings[0].position > all.floor);
+    daft_scene_destroy(scene);
+    daft_engine_destroy(engine);
+}
+
+/* The switch marks what is counted, and nothing where visibility is exact. */
+static void wrong_pixels_are_red(void **unused)
+{
+    (void)unused;
+    const int size = 4;
+    uint8_t mask[16] = {0}, pixels[64] = {0};
+    mask[5] = 1;
+    wrong_paint(mask, size, size, pixels);
+    assert_true(pixels[4 * 5] == 255 && pixels[4 * 5 + 1] == 0 && pixels[4 * 6] == 255 && pixels[4 * 15] == 0);
+    char picture[] = "/tmp/daft-cost-XXXXXX.png";
+    int file = mkstemps(picture, 4);
+    assert_true(file >= 0);
+    close(file);
+    int status = run_daft(output, "render assets/scenes/hello.scene -o %s --size 64x48 --wrong", picture);
+    assert_status(status, 0, output);
+    assert_says(output, "daft: 0 of 3072 pixels see another triangle");
+    unlink(picture);
 }
 
 static void bad_input_is_told_plainly(void **unused)
@@ -231,6 +345,7 @@ static void bad_input_is_told_plainly(void **unused)
     } wrong[] = {{2, "cost", "SCENE|GAME is missing"},
                  {2, "cost a.scene --budget 0", "--budget: a number above 0"},
                  {2, "cost a.scene --size 4x4", "each from 16 to 1920"},
+                 {2, "cost a.scene --sim", "--sim: a game expected"},
                  {1, "cost nowhere.scene", "nowhere.scene"},
                  {1, "cost no_such_game", "no_such_game"},
                  {1, "cost marble --at 86400 --size 16x16", "the game ends before"},
@@ -252,7 +367,13 @@ int main(void)
                                        cmocka_unit_test(advice_is_options_of_daft_render),
                                        cmocka_unit_test(knobs_are_read_by_name),
                                        cmocka_unit_test(wrong_knobs_are_named),
+                                       cmocka_unit_test(every_knob_is_swept),
+                                       cmocka_unit_test(wishes_are_joined),
+                                       cmocka_unit_test(moments_are_averaged),
                                        cmocka_unit_test(a_report_holds_what_is_promised),
+                                       cmocka_unit_test(a_simulation_is_measured),
+                                       cmocka_unit_test(finer_simulations_come_closer),
+                                       cmocka_unit_test(wrong_pixels_are_red),
                                        cmocka_unit_test(bad_input_is_told_plainly)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -134,7 +134,7 @@ static void an_endless_script_can_be_stopped(void **unused)
                     .info = &s.info,
                     .engine = s.engine,
                     .face = s.face,
-                    .quality = DAFT_QUALITY_DRAFT,
+                    .quality.preset = DAFT_PRESET_DRAFT,
                     .asked = give_up,
                     .user = &s};
     daft_error error;
@@ -155,7 +155,7 @@ static void a_broken_game_reloads(void **unused)
     set_up(&s, "broken_update");
     game_state play;
     game_def def = {
-        .where = &s.where, .info = &s.info, .engine = s.engine, .face = s.face, .quality = DAFT_QUALITY_DRAFT};
+        .where = &s.where, .info = &s.info, .engine = s.engine, .face = s.face, .quality.preset = DAFT_PRESET_DRAFT};
     daft_error error;
     assert_true(game_open(&play, &def, &error));
     daft_image *picture = daft_image_create(s.engine, 64, 36, &error);

@@ -232,7 +232,7 @@ static bool play(bench *b, const char *path, const happening *script, test_platf
                     .face = b->face,
                     .path = path,
                     .camera = -1,
-                    .quality = DAFT_QUALITY_GAME};
+                    .quality.preset = DAFT_PRESET_GAME};
     bool good = view_run(&def, error);
     free(p->last);
     return good;
@@ -266,7 +266,7 @@ static void pictures_follow_each_other(void **state)
     daft_scene *scene = daft_scene_create(b->engine, &error);
     daft_image *picture = daft_image_create(b->engine, 160, 90, &error);
     static uint8_t before[4 * 160 * 90];
-    view_look look = {.camera = daft_default_camera(), .quality = DAFT_QUALITY_GAME};
+    view_look look = {.camera = daft_default_camera(), .quality.preset = DAFT_PRESET_GAME};
     assert_true(scene && picture && daft_scene_load(scene, path, &error));
     look.camera = daft_scene_camera(scene, 1);
     for (int with = 0; with < 2; with++) {
@@ -318,9 +318,9 @@ static job_def snapshot_of(const bench *b, const char *name)
     job_def def = {.width = 96, .height = 64, .view = daft_default_view(), .threads = 2};
     snprintf(def.scene, sizeof def.scene, "%s", b->scene);
     snprintf(def.out, sizeof def.out, "%s/%s", b->folder, name);
-    def.view.quality = DAFT_QUALITY_HIGH;
+    def.view.quality = daft_preset_quality(DAFT_PRESET_HIGH);
     def.view.camera = daft_camera_look_at((daft_dvec3){-1.1, 1.0 / 3, 0.7}, (daft_dvec3){5, 0, 1}, 0.9f);
-    def.view.shadows = 0;
+    def.view.quality.shadows = 0;
     return def;
 }
 
@@ -337,7 +337,7 @@ static void a_snapshot_can_be_repeated_exactly(void **state)
     assert_non_null(picture);
     snprintf(path, sizeof path, "%s/s.json", b->folder);
     if (!shot_read(&again, path, &error)) fail_msg("%d:%d: %s", error.line, error.column, error.message);
-    assert_true(again.width == 96 && again.height == 64 && again.view.shadows == 0);
+    assert_true(again.width == 96 && again.height == 64 && again.view.quality.shadows == 0);
     assert_memory_equal(&again.view.camera, &def.view.camera, sizeof again.view.camera);
     daft_scene *scene = daft_scene_create(b->engine, &error);
     assert_true(daft_scene_load(scene, again.scene, &error));

@@ -169,7 +169,7 @@ static void set_up(const happening *script, size_t count)
                           .engine = s.engine,
                           .where = &s.where,
                           .face = s.face,
-                          .quality = DAFT_QUALITY_DRAFT,
+                          .quality.preset = DAFT_PRESET_DRAFT,
                           .scale = 1,
                           .seed = 1};
 }
@@ -547,7 +547,7 @@ static void pictures_of_soft_light_get_better(void **unused)
     (void)unused;
     const happening script[] = {{12, "+escape", 0, 0}};
     PLAY(script);
-    s.def.quality = DAFT_QUALITY_GAME;
+    s.def.quality.preset = DAFT_PRESET_GAME;
     assert_int_equal(play("soft"), SESSION_LEFT);
     assert_true(s.screen.changed >= 8);
     tear_down();

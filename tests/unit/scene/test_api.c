@@ -243,16 +243,16 @@ static void views_are_checked(void **state)
     daft_engine_def def = daft_default_engine_def();
     assert_true(run(&p, &def, &error));
     daft_view bad[8];
-    const char *says[] = {"daft_default_view()", "camera.fov",   "camera.yaw",       "camera.position.y", "alpha",
-                          "samples is 2",        "quality is 9", "camera.fov is 3.2"};
+    const char *says[] = {"daft_default_view()", "camera.fov", "camera.yaw",       "camera.position.y", "alpha",
+                          "samples is 2",        "tree is 9",  "camera.fov is 3.2"};
     for (size_t i = 0; i < 8; i++) bad[i] = daft_default_view();
     bad[0].cookie = 0;
     bad[1].camera.fov = NAN;
     bad[2].camera.yaw = INFINITY;
     bad[3].camera.position.y = NAN;
     bad[4].alpha = NAN;
-    bad[5].samples = 2;
-    bad[6].quality = (daft_quality)9;
+    bad[5].quality.samples = 2;
+    bad[6].quality.tree = (daft_tree)9;
     bad[7].camera.fov = 3.2f;
     for (size_t i = 0; i < 8; i++) {
         assert_false(daft_render(p.scene, &bad[i], p.image, &error));

@@ -152,7 +152,8 @@ static void defaults_are_in_range(void **state)
     daft_material_def material = daft_default_material_def();
     assert_true(material.refractive_index == 1.5f && material.diffuse.z == 0.8f && !material.diffuse_map.id);
     daft_view view = daft_default_view();
-    assert_true(view.camera.fov == (float)(DAFT_PI / 2) && view.quality == DAFT_QUALITY_GAME && !view.progress);
+    assert_true(view.camera.fov == (float)(DAFT_PI / 2) && view.quality.samples == 1 &&
+                view.quality.edge_samples == 4 && !view.progress);
 }
 
 /* sim/ has defaults of its own, since it knows nothing of scenes. */

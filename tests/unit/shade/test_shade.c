@@ -120,16 +120,18 @@ static void texture_sampling(void **unused)
     double mean = 0;
     for (int i = 0; i < 8; i++) mean += (double)SRGB_TO_LINEAR[30 * i] / 8;
     for (int isa = 0; isa <= daft_isa_best(); isa++) {
-        assert_true(daft_shade_kernels_for(isa)->albedo(b, &material, &texture));
+        assert_true(daft_shade_kernels_for(isa)->albedo(b, &material, &texture, DAFT_TEXTURE_TRILINEAR));
         for (int i = 0; i < 8; i++) assert_true(fabsf(b->albedo.x[i] - SRGB_TO_LINEAR[30 * i]) < 1e-5f);
         for (int i = 8; i < 20; i++) assert_true(fabs((double)b->albedo.x[i] - mean) < 0.01);
     }
     material.texture = DAFT_NO_TEXTURE;
-    assert_false(daft_shade_kernels_for(0)->albedo(b, &material, &texture));
+    assert_false(daft_shade_kernels_for(0)->albedo(b, &material, &texture, DAFT_TEXTURE_TRILINEAR));
     assert_true(b->albedo.x[3] == 1);
     b->u[0] = NAN, b->v[1] = INFINITY, b->u[2] = 1e30f, b->footprint[3] = NAN, material.texture = 0;
-    daft_shade_kernels_for(daft_isa_best())->albedo(b, &material, &texture); /* reads nothing outside: asan would tell
-                                                                              */
+    daft_shade_kernels_for(daft_isa_best())->albedo(b, &material, &texture, DAFT_TEXTURE_TRILINEAR); /* reads nothing
+                                                                                                      * outside: asan
+                                                                                                      * would tell
+                                                                                                      */
     daft_texture_free(&allocator, &texture);
     free(b);
 }

@@ -6,8 +6,6 @@
 #define VIEW(m, ...)   DAFT_ROW(daft_view, m, __VA_ARGS__)
 
 static const char *const ACCELS[] = {"bvh", "kdtree"};
-static const char *const QUALITIES[] = {"draft", "game", "high", "reference"};
-static const char *const INTERSECTIONS[] = {"exact", "watertight", "fast"};
 
 static const daft_field ENGINE_ROWS[] = {
     DAFT_COOKIE_ROW(daft_engine_def),
@@ -41,29 +39,8 @@ static const daft_field VIEW_ROWS[] = {
     DAFT_COOKIE_ROW(daft_view),
     DAFT_STRUCT_ROW(daft_view, camera, daft_camera, DAFT_STRUCT_CAMERA, .doc = "Where from"),
     VIEW(alpha, FROM(0, 1), .initial = {1}, .doc = "Between the last two ticks: 0 is the one before, 1 is now"),
-    DAFT_CHOICE_ROW(daft_view, quality, QUALITIES, .initial = {DAFT_QUALITY_GAME},
-                    .doc = "How much work a picture may be"),
-    VIEW(samples, FROM(0, 16), .doc = "Samples of a pixel: 1, 4, 8 or 16; 0: the quality's"),
-    VIEW(edge_samples, FROM(-1, 16), .initial = {-1},
-         .doc = "More samples where neighbours differ: 0; 4, the corners, at outlines and creases; 16, at edges of "
-                "shadows and in "
-                "mirrors, "
-                "too; -1: the quality's, or 0 where samples is set"),
-    VIEW(mirror_depth, FROM(-1, 32), .initial = {-1}, .doc = "Mirror bounces followed; -1: the quality's"),
-    VIEW(refraction_depth, FROM(-1, 32), .initial = {-1},
-         .doc = "Surfaces that a path which passes through some may meet; -1: the quality's"),
-    VIEW(min_weight, FROM(-1, 1), .initial = {-1},
-         .doc = "Mirrored and refracted rays below it in all colours are not cast; below 0: the quality's"),
-    VIEW(shadows, FROM(-1, 1), .initial = {-1}, .doc = "0: none, 1: of every light; -1: the quality's"),
-    VIEW(shadow_samples, FROM(-1, 64), .initial = {-1},
-         .doc = "Rays to a light that has a size; 0: its shadows are sharp; -1: the quality's"),
-    VIEW(occlusion_samples, FROM(-1, 64), .initial = {-1},
-         .doc = "Rays around a point for ambient occlusion; 0: none; -1: the quality's"),
-    VIEW(glossy_samples, FROM(-1, 64), .initial = {-1},
-         .doc = "Rays that a rough surface sends on; 0: none is rough; -1: the quality's"),
-    VIEW(denoise, FROM(-1, 1), .initial = {-1}, .doc = "1: filters what is sampled; 0: not; -1: the quality's"),
-    DAFT_CHOICE_ROW(daft_view, intersection, INTERSECTIONS, .doc = "How rays and triangles meet"),
-    VIEW(reference, .doc = "Whether camera rays go alone through the BVH, as in the quality reference"),
+    DAFT_STRUCT_ROW(daft_view, quality, daft_quality, DAFT_STRUCT_QUALITY,
+                    .doc = "The knobs: how much work a picture may be"),
     VIEW(first_row, FROM(0, 16384), .doc = "Draws a band of the picture from this row on, a multiple of 32"),
     VIEW(row_count, FROM(0, 16384),
          .doc = "Rows of the band: a multiple of 32, or up to the last row; 0: all to the last"),
