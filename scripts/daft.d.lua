@@ -34,6 +34,12 @@ daft.input = {}
 ---@overload fun(): number, number
 daft.input.mouse = {}
 
+---Only in files of the game's folder tests/: what `daft test-game` runs, as a task beside the game, from the
+---beginning of a game of its own. An error in it fails the test. scripts/test.lua has more for tests.
+---@class daft.test
+---@overload fun(name: string, f: function)
+daft.test = {}
+
 ---@class daft.entity
 ---@field name string?
 ---@field data any
@@ -53,6 +59,12 @@ local mesh = {}
 
 ---@class daft.light
 local light = {}
+
+---@class daft.image
+local image = {}
+
+---@class daft.stream
+local stream = {}
 
 ---@class daft.picture
 local picture = {}
@@ -95,7 +107,8 @@ local voice = {}
 ---@field sleeps? boolean Whether it may fall asleep at rest; true unless given
 ---@field velocity? daft.vector Of a body that moves
 ---@field angular_velocity? daft.vector Of a body that moves
----@field name? string e.name can be read and set
+---@field name? string e.name can be read and set; daft.find finds it
+---@field tags? string|table What it is, for e:has_tag and daft.find
 ---@field data? any e.data can be read and set
 
 ---@class daft.joint.options
@@ -196,6 +209,14 @@ local voice = {}
 ---@field fov? number The horizontal angle of view, below pi (number, rad, 1e-06 to 3.1415); 1.5707964 unless given
 ---@field teleport? boolean Whether it jumps there without a glide
 
+---@class daft.camera.along.options
+---@field position? daft.vector|daft.entity Where it is; {0, 0, 0} unless given
+---@field yaw? number 0 looks along +X, positive turns right, towards +Z (number, rad, -1e+06 to 1e+06); 0 unless given
+---@field pitch? number Positive looks down (number, rad, -1e+06 to 1e+06); 0 unless given
+---@field roll? number Positive leans right (number, rad, -1e+06 to 1e+06); 0 unless given
+---@field fov? number The horizontal angle of view, below pi (number, rad, 1e-06 to 3.1415); 1.5707964 unless given
+---@field time? number When; in ascending order (number, s)
+
 ---Makes an entity: at most one of mesh, sphere and box is drawn, and a body is simulated.
 ---@param options daft.entity.options
 ---@return daft.entity
@@ -209,12 +230,6 @@ function daft.entity(options) end
 ---@return number
 ---@return number
 function entity:position(x, y, z) end
-
----Where it is in the world; position is relative to its parent.
----@return number
----@return number
----@return number
-function entity:world_position() end
 
 ---Puts it there at once, without a glide.
 ---@param x number
@@ -269,9 +284,10 @@ function entity:velocity(x, y, z) end
 function entity:angular_velocity(x, y, z) end
 
 ---What touched it in the last step: a list of {other = entity, point = {x, y, z}, normal = {x, y, z},
----impulse = n}; the normal points away from the other.
+---impulse = n}; the normal points away from the other. list: one to fill again.
+---@param list? any
 ---@return table
-function entity:contacts() end
+function entity:contacts(list) end
 
 ---Takes it and its children out of the world.
 function entity:destroy() end
@@ -279,6 +295,72 @@ function entity:destroy() end
 ---False once it has been destroyed.
 ---@return boolean
 function entity:valid() end
+
+---Where it is in the world, or puts it there; position is relative to its parent.
+---@param x? number
+---@param y? number
+---@param z? number
+---@return number
+---@return number
+---@return number
+function entity:world_position(x, y, z) end
+
+---The direction of its +X axis in the world: where it looks.
+---@return number
+---@return number
+---@return number
+function entity:forward() end
+
+---The direction of its +Y axis in the world.
+---@return number
+---@return number
+---@return number
+function entity:up() end
+
+---The direction of its +Z axis in the world.
+---@return number
+---@return number
+---@return number
+function entity:right() end
+
+---Turns it, level, so that its +X axis points at a place or an entity.
+---@param place daft.place
+function entity:look_at(place) end
+
+---What it hangs on, or hangs it there; nil: on the world. It stays where and as it is.
+---@param entity? daft.entity|any
+---@return daft.entity|nil
+function entity:parent(entity) end
+
+---What hangs on it, in the order in which that came.
+---@return table
+function entity:children() end
+
+---The entities of that name, or with that tag, or with all tags of a list; those that got it first come first.
+---list: a table to fill, instead of a new one.
+---@param options table
+---@param list? any
+---@return table
+function daft.find(options, list) end
+
+---Gives it tags: names of what it is.
+---@param tag any
+---@param ... any
+function entity:tag(tag, ...) end
+
+---Takes tags from it.
+---@param tag any
+---@param ... any
+function entity:untag(tag, ...) end
+
+---Whether it has the tag.
+---@param tag any
+---@return boolean
+function entity:has_tag(tag) end
+
+---Its tags, in the order in which it got them.
+---@return table
+function entity:tags() end
 
 ---A force in newtons over the next step, at the centre of a dynamic body.
 ---@param x number
@@ -365,8 +447,9 @@ function joint:target(x, y, z) end
 ---What happened in the last step: {kind =, a =, b =, impulse =}. kind is "begin" or "end" of a contact, "enter" or
 ---"leave" of a sensor (a), "break" or "gone" of a joint (joint =), "sleep" or "wake" of a body (a). A begin has
 ---point =, normal = and speed =, too.
+---@param list? any
 ---@return table
-function daft.events() end
+function daft.events(list) end
 
 ---Sets substeps = 1 to 16 (4 unless set) and sleeping = true or false. Gives counts of the last step: bodies, awake,
 ---joints, islands, pairs, contacts, rows, colours, substeps (the most of any island), sweeps.
@@ -438,21 +521,23 @@ function character:destroy() end
 ---@return boolean
 function character:valid() end
 
----The nearest body along a ray: {entity =, distance =, position =, normal =, inside =}.
+---The nearest body along a ray: {entity =, distance =, position =, normal =, inside =}. hit, list: tables to fill.
 ---@param from daft.place
 ---@param direction daft.vector
 ---@param max_distance? number
 ---@param options? daft.query.ray.options
+---@param hit? any
 ---@return daft.hit|nil
-function daft.query.ray(from, direction, max_distance, options) end
+function daft.query.ray(from, direction, max_distance, options, hit) end
 
 ---All bodies along a ray, nearest first, up to 256.
 ---@param from daft.place
 ---@param direction daft.vector
 ---@param max_distance? number
 ---@param options? table
+---@param list? any
 ---@return table
-function daft.query.all(from, direction, max_distance, options) end
+function daft.query.all(from, direction, max_distance, options, list) end
 
 ---The same for a shape that moves: {sphere = radius}, {box = {x, y, z}} or {capsule = {radius, height}},
 ---and rotation.
@@ -461,22 +546,25 @@ function daft.query.all(from, direction, max_distance, options) end
 ---@param direction daft.vector
 ---@param max_distance? number
 ---@param options? table
+---@param hit? any
 ---@return daft.hit|nil
-function daft.query.cast(shape, from, direction, max_distance, options) end
+function daft.query.cast(shape, from, direction, max_distance, options, hit) end
 
 ---The bodies that a shape overlaps, up to 256.
 ---@param shape table
 ---@param at daft.place
 ---@param options? table
+---@param list? any
 ---@return table
-function daft.query.overlap(shape, at, options) end
+function daft.query.overlap(shape, at, options, list) end
 
 ---The nearest point of any body.
 ---@param from daft.place
 ---@param max_distance? number
 ---@param options? table
+---@param hit? any
 ---@return daft.hit|nil
-function daft.query.closest(from, max_distance, options) end
+function daft.query.closest(from, max_distance, options, hit) end
 
 ---Or "file.mtl#name". Where a material is wanted, such a table, a texture's name or a colour do too.
 ---@param options daft.material.options
@@ -575,6 +663,18 @@ function daft.camera.set(options) end
 ---@return table
 function daft.camera.get() end
 
+---Where the camera is, as of daft.camera.get, so many seconds into a smooth path through a list of checkpoints.
+---pace: "timed", "constant" or "eased".
+---@param points any
+---@param seconds number
+---@param pace? any
+---@return table
+function daft.camera.along(points, seconds, pace) end
+
+---The checkpoints of the `path` items of scene files.
+---@return table
+function daft.camera.checkpoints() end
+
 ---Keys have SDL's names in lower case: "a", "left", "space", "return", "left shift", "f1", "mouse1".
 ---@param key string
 ---@return boolean
@@ -637,26 +737,34 @@ function daft.input.mouse.grab(on) end
 function daft.input.mouse.motion() end
 
 ---Within daft.draw. align is "left", "center" or "right" of x; y is the top. size 28, white, with a shadow.
----The string has at most 16384 bytes.
+---With a width, lines are broken at blanks. The string has at most 16384 bytes of UTF-8; bytes that are none show
+---as boxes, and so do letters that the font does not have.
 ---@param string string
 ---@param x number
 ---@param y number
 ---@param options? table
 function daft.text(string, x, y, options) end
 
----A filled rectangle; "#rrggbbaa" shines through.
----@param x number
----@param y number
----@param width number
----@param height number
----@param color? daft.color
-function daft.rect(x, y, width, height, color) end
+---A TrueType file (.ttf) of the game's, for daft.text{font =}. The program's own font has Latin, Greek and
+---Cyrillic letters. It holds the file and 4 MB while the game holds it.
+---@param file string
+---@return any
+function daft.font(file) end
 
 ---Of the widest line.
 ---@param string string
 ---@param size? number
+---@param font? any
 ---@return number
-function daft.text_width(string, size) end
+function daft.text_width(string, size, font) end
+
+---Of the lines that it is broken into.
+---@param string string
+---@param width number
+---@param size? number
+---@param font? any
+---@return number
+function daft.text_height(string, width, size, font) end
 
 ---The picture is 720 units high and as wide as its shape makes it.
 ---@return number
@@ -665,6 +773,69 @@ function daft.width() end
 ---The picture's height in units.
 ---@return number
 function daft.height() end
+
+---A filled rectangle; "#rrggbbaa" shines through. With a width, its outline.
+---@param x number
+---@param y number
+---@param width number
+---@param height number
+---@param color? daft.color|table
+function daft.rect(x, y, width, height, color) end
+
+---2 wide where nothing else is said. Or through many points: daft.line({x, y, x, y, ...}, {closed = true}).
+---@param x any
+---@param y any
+---@param x2 any
+---@param y2 any
+---@param color? daft.color|table
+function daft.line(x, y, x2, y2, color) end
+
+---A disc; with a width, a ring.
+---@param x number
+---@param y number
+---@param radius number
+---@param color? daft.color|table
+function daft.circle(x, y, radius, color) end
+
+---Fills what 3 to 1024 points enclose; with a width, its outline.
+---@param options table
+---@param color? daft.color|table
+function daft.polygon(options, color) end
+
+---A picture file of the game's, to be drawn by image:draw.
+---@param file string
+---@return any
+function daft.image(file) end
+
+---A pixel of it is a unit, times the scale; or it is as large as width and height say. rotation: radians clockwise
+---about the origin, which is put at x, y: {0, 0} is the top left, {0.5, 0.5} the middle. source: {x, y, width,
+---height} in its pixels. border: so many of its pixels at the edges are not stretched (nine patches). color
+---multiplies it; smooth = false keeps its pixels square.
+---@param x number
+---@param y number
+---@param options? table
+function image:draw(x, y, options) end
+
+---In pixels.
+---@return number
+---@return number
+function image:size() end
+
+---Nothing is drawn outside from here on; without numbers, everywhere again.
+---@param x? number
+---@param y? number
+---@param width? number
+---@param height? number
+function daft.clip(x, y, width, height) end
+
+---From here on coordinates go from 0, 0 to width, height, as large as fits, in the middle of the picture. Its left
+---top and a unit in the picture's units come back: ((mouse x) - left) / scale. Without numbers: as at the start.
+---@param width? number
+---@param height? number
+---@return any
+---@return any
+---@return any
+function daft.canvas(width, height) end
 
 ---Calls the function at once, as a task: it may wait, and goes on in a later tick, after daft.update. An error in
 ---it is the game's.
@@ -704,13 +875,30 @@ function daft.cancel(task) end
 function daft.running(task) end
 
 ---The nearest visible entity along a ray: {entity =, distance =, position =, normal =, triangle =}.
----from may be an entity; ignore is one that the ray passes through.
+---from may be an entity; ignore is one that the ray passes through; hit a table to fill.
 ---@param from daft.place
 ---@param direction daft.vector
 ---@param max_distance? number
 ---@param ignore? daft.entity
+---@param hit? any
 ---@return daft.hit|nil
-function daft.raycast(from, direction, max_distance, ignore) end
+function daft.raycast(from, direction, max_distance, ignore, hit) end
+
+---The ray from the camera through a point of the picture, in HUD units; the mouse's unless given.
+---@param x? number
+---@param y? number
+---@return any
+---@return any
+function daft.screen_ray(x, y) end
+
+---What is seen at a point of the picture, or under the mouse: what daft.raycast gives.
+---@param x? number
+---@param y? number
+---@param max_distance? number
+---@param ignore? daft.entity
+---@param hit? any
+---@return daft.hit|nil
+function daft.pick(x, y, max_distance, ignore, hit) end
 
 ---In m/s²; 0, -9.81, 0 unless set.
 ---@param x number
@@ -718,27 +906,23 @@ function daft.raycast(from, direction, max_distance, ignore) end
 ---@param z number
 function daft.gravity(x, y, z) end
 
----Of the game: ticks / 60.
+---Of the game: ticks / 60, times what daft.time_scale said in each.
 ---@return number
 function daft.time() end
+
+---How fast the game's time goes from the next tick on: 1; slow motion below; 0: a pause; up to 4. dt of daft.update,
+---the simulation, daft.time and tasks follow it; ticks do not.
+---@param scale? any
+---@return any
+function daft.time_scale(scale) end
 
 ---Updates since the game began.
 ---@return number
 function daft.tick() end
 
----0 <= x < 1; or a whole number from 1 to m, or from m to n. The same in every run with the same seed;
----math.random is the same function. Within daft.draw it draws from a sequence of its own.
----@param m? number
----@param n? number
----@return number
-function daft.random(m, n) end
-
----Starts the sequence again; math.randomseed is the same function.
----@param seed? number
-function daft.randomseed(seed) end
-
----Adds what a scene file describes.
+---Adds what a scene file describes; gives the entities that it names, by name.
 ---@param options string
+---@return any
 function daft.scene(options) end
 
 ---Asks for frames that take at most so many milliseconds, by pictures that are less exact where they
@@ -751,6 +935,40 @@ function daft.restart() end
 
 ---Ends the game after this tick.
 function daft.quit() end
+
+---0 <= x < 1; or a whole number from 1 to m, or from m to n. The same in every run with the same seed;
+---math.random is the same function. Within daft.draw it draws from a sequence of its own.
+---@param m? number
+---@param n? number
+---@return number
+function daft.random(m, n) end
+
+---Starts the sequence again; math.randomseed is the same function.
+---@param seed? number
+function daft.randomseed(seed) end
+
+---A sequence of random numbers of its own, which no other call disturbs.
+---@param seed number
+---@return any
+function daft.random_stream(seed) end
+
+---As daft.random, from this sequence.
+---@param m? number
+---@param n? number
+---@return number
+function stream:random(m, n) end
+
+---Starts the sequence again.
+---@param seed number
+function stream:seed(seed) end
+
+---Smooth noise between -1 and 1 in one to four dimensions, with one bump for each unit, about 0 on average.
+---@param x number
+---@param y? number
+---@param z? number
+---@param w? number
+---@return number
+function daft.noise(x, y, z, w) end
 
 ---What a camera of the game sees, for the game to read; up to 1,048,576 pixels. It has no pixels until it is drawn.
 ---@param options table
@@ -888,5 +1106,11 @@ function daft.music(sound, options) end
 ---@param v? number
 ---@return number
 function daft.volume(group, v) end
+
+---Only in a test: the picture after this tick is like tests/pictures/NAME.png. max is how far any channel of any
+---pixel may be off, of 1 (0.25); mean is the mean over all (0.01).
+---@param name string
+---@param options? table
+function daft.test.picture(name, options) end
 
 wait, wait_until = daft.wait, daft.wait_until

@@ -12,6 +12,8 @@ int command_check(int argc, char **argv);
 int command_video(int argc, char **argv);
 int command_scan(int argc, char **argv);
 int command_pack(int argc, char **argv);
+int command_new(int argc, char **argv);
+int command_test_game(int argc, char **argv);
 int command_cost(int argc, char **argv);
 int command_bench(int argc, char **argv);
 int command_fields(int argc, char **argv); /* daft help fields */

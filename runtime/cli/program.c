@@ -23,6 +23,8 @@ static const struct {
     {"scan", "measure a scene with a laser scanner", command_scan},
     {"cost", "measure what accuracy costs in a scene or a game", command_cost},
     {"check", "check scenes, meshes, pictures and games for errors", command_check},
+    {"new", "begin a game from a template", command_new},
+    {"test-game", "run the tests of a game", command_test_game},
     {"pack", "pack a game into one file", command_pack},
     {"bench", "run the benchmarks", command_bench},
     {"help", "print this text; 'help COMMAND': its options; 'help lua [NAME]', 'help fields': the API", command_help},
@@ -31,7 +33,7 @@ static const struct {
 static void print_usage(FILE *out)
 {
     fprintf(out, "usage: daft COMMAND [...]\n\nDAFT, a 3D engine that needs no GPU.\n\n");
-    for (size_t i = 0; i < COUNT_OF(COMMANDS); i++) fprintf(out, "  %-8s  %s\n", COMMANDS[i].name, COMMANDS[i].summary);
+    for (size_t i = 0; i < COUNT_OF(COMMANDS); i++) fprintf(out, "  %-9s  %s\n", COMMANDS[i].name, COMMANDS[i].summary);
     fprintf(out, "\n'daft COMMAND --help' lists the options. Exit status: 0 done, 1 bad input, 2 wrong usage.\n");
 }
 

@@ -26,7 +26,8 @@ bool home_program_folder(char *out, size_t size)
 static bool try_root(home *out, const char *root)
 {
     return path_join(out->games, PATH_SIZE, root, "games") && path_join(out->assets, PATH_SIZE, root, "assets") &&
-           path_join(out->scripts, PATH_SIZE, root, "scripts") && path_is_folder(out->games) &&
+           path_join(out->scripts, PATH_SIZE, root, "scripts") &&
+           path_join(out->templates, PATH_SIZE, root, "templates") && path_is_folder(out->games) &&
            path_is_folder(out->scripts);
 }
 

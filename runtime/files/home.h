@@ -2,7 +2,7 @@
  * (sha256.h), what games keep (saves.h), and whether their files change (watch.h).
  * Public headers: home.h source.h pack.h sha256.h saves.h watch.h
  *
- * home: finds the program's own folders games/, assets/ and scripts/, and the games in games/.
+ * home: finds the program's own folders games/, assets/, scripts/ and templates/, and the games in games/.
  * Search order: $DAFT_HOME, ../share/daft beside the program, then each folder above the program. */
 #ifndef RUNTIME_FILES_HOME_H
 #define RUNTIME_FILES_HOME_H
@@ -10,7 +10,7 @@
 #include "common/util.h"
 
 typedef struct home {
-    char games[PATH_SIZE], assets[PATH_SIZE], scripts[PATH_SIZE];
+    char games[PATH_SIZE], assets[PATH_SIZE], scripts[PATH_SIZE], templates[PATH_SIZE];
 } home;
 
 bool home_find(home *out, daft_error *error);

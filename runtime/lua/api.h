@@ -3,7 +3,7 @@
  * tables.
  *
  * A binding reads its arguments, calls libdaft, and only then may raise an error.
- * Public headers: api.h host.h watchdog.h fields.h */
+ * Public headers: api.h host.h watchdog.h fields.h trial.h */
 #ifndef RUNTIME_API_H
 #define RUNTIME_API_H
 
@@ -35,7 +35,7 @@ typedef struct api_area {
 
 extern const api_area api_entity, api_hierarchy, api_tags, api_body, api_joint, api_character, api_query, api_material,
     api_light, api_camera, api_input, api_hud, api_draw, api_time, api_world, api_chance, api_particles, api_picture,
-    api_save, api_sound;
+    api_save, api_sound, api_test;
 /* All areas, for registration and for the reference. */
 const api_area *const *api_areas(size_t *count);
 /* The functions that a game may define in `daft`. */

@@ -316,13 +316,26 @@ static int on_error(lua_State *L)
 typedef struct request {
     const char *callback; /* daft.NAME; NULL: function */
     lua_CFunction function;
+    const char *file; /* the game's, which run_file runs */
     const char *key;  /* an argument, or NULL */
     const double *dt; /* an argument, or NULL */
 } request;
 
+static int run_file(lua_State *L, const char *file)
+{
+    const host *state = api_host(L);
+    char path[PATH_SIZE + 256], shown[400];
+    snprintf(path, sizeof path, "%s/%s", state->def.folder, file);
+    snprintf(shown, sizeof shown, "@%s/%s", state->def.name, file);
+    if (load_file(L, path, shown) != LUA_OK) return lua_error(L);
+    lua_call(L, 0, 0);
+    return 0;
+}
+
 static int carry_out(lua_State *L)
 {
     const request *what = lua_touserdata(L, 1);
+    if (what->file) return run_file(L, what->file);
     if (!what->callback) return what->function(L);
     api_push(L);
     lua_pushstring(L, what->callback);
@@ -382,6 +395,13 @@ static bool call(host *state, const char *shown, request what)
     state->calling = NULL;
     lua_settop(L, 0);
     return good;
+}
+
+bool host_run_file(host *state, const char *file) { return call(state, file, (request){.file = file}); }
+
+bool host_call(host *state, const char *shown, lua_CFunction function)
+{
+    return call(state, shown, (request){.function = function});
 }
 
 bool host_load(host *state) { return call(state, "daft.load", (request){.callback = "load"}); }
@@ -450,17 +470,6 @@ static int build(lua_State *L)
     return 0;
 }
 
-static int run_main(lua_State *L)
-{
-    host *state = api_host(L);
-    char path[PATH_SIZE + 16], shown[200];
-    snprintf(path, sizeof path, "%s/main.lua", state->def.folder);
-    snprintf(shown, sizeof shown, "@%s/main.lua", state->def.name);
-    if (load_file(L, path, shown) != LUA_OK) return lua_error(L);
-    lua_call(L, 0, 0);
-    return 0;
-}
-
 bool host_open(host *state, const host_def *def)
 {
     *state = (host){.def = *def, .target_ms = -1, .scale = 1, .next_scale = 1};
@@ -481,8 +490,7 @@ bool host_open(host *state, const host_def *def)
         snprintf(state->message, sizeof state->message, "%s", error.message);
         return false;
     }
-    return call(state, "daft", (request){.function = build}) &&
-           call(state, "main.lua", (request){.function = run_main});
+    return call(state, "daft", (request){.function = build}) && host_run_file(state, "main.lua");
 }
 
 void host_close(host *state)

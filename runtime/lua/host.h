@@ -22,6 +22,7 @@
 typedef struct api_function api_function;
 typedef struct saves saves;
 typedef struct particle_system particle_system;
+typedef struct trial trial;
 
 /* xoshiro256**: Blackman & Vigna 2018. */
 typedef struct random_state {
@@ -81,6 +82,7 @@ typedef struct host {
     uint32_t systems;           /* of particles, made so far */
     uint32_t indexed;           /* ids in the indices of names and tags (tables/tags.c) */
     uint32_t indexed_kept;      /* the same after they were last swept */
+    trial *trial;               /* a test of the game runs beside it: lua/trial.h; or NULL */
     mixer mixer;                /* what sounds */
     uint32_t sounds, music;     /* made so far; the voice of the music */
     uint32_t fonts, images;     /* made so far */
@@ -118,6 +120,10 @@ void host_hide_particles(host *state);
 void host_step_particles(host *state, double dt);
 /* Of the picture in HUD units: within daft.draw of the one that is drawn, else as the input has it. */
 float host_width(const host *state);
+
+/* Runs another file of the game, in the same state; and a function, whose name in messages is `shown`. */
+bool host_run_file(host *state, const char *file);
+bool host_call(host *state, const char *shown, int (*function)(lua_State *L));
 
 /* Whether the call that runs is to end. */
 bool host_stopping(const host *state);

@@ -15,7 +15,8 @@ passed=0
 
 fail() { echo "$*" && cat "$out/log" && exit 1; }
 
-# Every block between ```LANGUAGE and ``` becomes FILE-NUMBER.LANGUAGE.
+# Every block between ```LANGUAGE and ``` becomes FILE-NUMBER.LANGUAGE. One of Lua whose first line is "-- FOLDER/FILE.lua" or
+# "-- FILE.lua" is a file of the game before it; files of tests/ are then run by daft test-game.
 for page in "$root/README.md" $(find "$root/docs" -name "*.md"); do
     awk -v out="$out/$(basename "$page" .md)" '
         /^```$/ { name = "" }
@@ -23,11 +24,28 @@ for page in "$root/README.md" $(find "$root/docs" -name "*.md"); do
         /^```(lua|scene|c)$/ { name = sprintf("%s-%d.%s", out, ++count, substr($0, 4)) }' "$page"
 done
 
-for example in "$out"/*.lua; do
+game=
+for example in $(find "$out" -maxdepth 1 -name '*.lua' | sort -V); do
+    file=$(sed -n '1s/^-- \([a-z_]*\/\{0,1\}[a-z_]*\.lua\)$/\1/p' "$example")
+    if [ -n "$file" ]; then
+        mkdir -p "$(dirname "$game/$file")" && mv "$example" "$game/$file"
+        continue
+    fi
     game=${example%.lua}
     mkdir "$game" && mv "$example" "$game/main.lua"
+done
+
+for game in "$out"/*/main.lua; do
+    game=$(dirname "$game")
     DAFT_HOME=$root "$program" play "$game" --headless --ticks 90 >"$out/log" 2>&1 ||
         fail "the example $(basename "$game") fails: $(cat "$game/main.lua")"
+    passed=$((passed + 1))
+    [ -d "$game/tests" ] || continue
+    # Pictures that are written stand the test when it runs again.
+    for update in --update ""; do
+        # shellcheck disable=SC2086 # an option or none
+        DAFT_HOME=$root "$program" test-game "$game" $update >"$out/log" 2>&1 || fail "the tests of $(basename "$game") fail"
+    done
     passed=$((passed + 1))
 done
 
@@ -72,7 +90,7 @@ done <"$out/written"
 [ "$(wc -l <"$out/written")" -gt 50 ] || fail "docs/reference/lua-api.md has too few functions in its tables"
 # docs/reference/command-line.md names the options that `--help` prints, no more and no fewer.
 page=$root/docs/reference/command-line.md
-for command in play render check bench test; do
+for command in play render check new test-game bench test; do
     case $command in
     bench) help=$build/tests/daft_bench ;;
     test) help="$root/daft test" ;;

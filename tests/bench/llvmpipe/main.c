@@ -149,7 +149,7 @@ static bool play_demo(peer *p, const options *o, daft_engine *engine, game_state
 static bool run_game(peer *p, const options *o, daft_engine *engine)
 {
     daft_error error;
-    home where = {DAFT_ROOT "/games", DAFT_ROOT "/assets", DAFT_ROOT "/scripts"};
+    home where = {.games = DAFT_ROOT "/games", .assets = DAFT_ROOT "/assets", .scripts = DAFT_ROOT "/scripts"};
     char demo[512];
     game_info info;
     recording record;
