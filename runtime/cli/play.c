@@ -51,6 +51,7 @@ typedef struct player {
     game_info game; /* unless there is the menu */
     game_source source;
     bool speaks; /* through a loudspeaker */
+    editor *editor;
 } player;
 
 static session_def base_session(const player *p)
@@ -71,6 +72,7 @@ static session_def base_session(const player *p)
                          .pauses = !p->screen->headless,
                          .watches = !p->screen->headless,
                          .settings = o->kept[0] ? o->kept : NULL,
+                         .editor = p->editor,
                          .fixed_size = p->screen->headless,
                          .seed = (uint64_t)o->seed,
                          .ticks = (uint64_t)o->ticks,
@@ -241,6 +243,7 @@ static int play(player *p)
     p->engine = open_engine(&def);
     if (!p->engine) return STATUS_BAD_INPUT;
     if (p->options.headless) return play_headless(p);
+    if (!p->game.packed) p->editor = editor_start(p->options.game ? p->game.folder : p->where.games);
     cli_size size = p->options.size.width ? p->options.size : (cli_size){1280, 720};
     p->screen = platform_open_sdl("DAFT", size.width, size.height, &error);
     if (!p->screen) return play_demo(p, error.message);
@@ -329,5 +332,6 @@ int command_play(int argc, char **argv)
     font_close(p.face);
     daft_engine_destroy(p.engine);
     source_close(&p.source);
+    editor_close(p.editor);
     return status;
 }

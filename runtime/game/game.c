@@ -20,9 +20,9 @@ static bool stop(game_state *state)
 static bool stop_with(game_state *state, const char *what, const daft_error *error)
 {
     char text[1100];
-    snprintf(state->scripts.message, sizeof state->scripts.message, "%s: %.900s", what,
-             daft_error_text(error, text, sizeof text));
-    state->scripts.trace[0] = 0;
+    failure *now = &state->scripts.failure;
+    failure_clear(now);
+    snprintf(now->message, sizeof now->message, "%s: %.900s", what, daft_error_text(error, text, sizeof text));
     return stop(state);
 }
 
@@ -128,10 +128,10 @@ static bool in_time(game_state *state, const char *what)
     watchdog_state ended = watchdog_end(state->scripts.dog);
     if (ended == WATCHDOG_ASKED) state->scripts.asked = true;
     if (ended == WATCHDOG_RUNNING) return true;
-    snprintf(state->scripts.message, sizeof state->scripts.message,
-             ended == WATCHDOG_LATE ? "%s took longer than %g s" : "%s was stopped", what,
-             watchdog_limit(state->scripts.dog));
-    state->scripts.trace[0] = 0;
+    failure *now = &state->scripts.failure;
+    failure_clear(now);
+    snprintf(now->message, sizeof now->message, ended == WATCHDOG_LATE ? "%s took longer than %g s" : "%s was stopped",
+             what, watchdog_limit(state->scripts.dog));
     return stop(state);
 }
 

@@ -50,7 +50,7 @@ typedef struct game_state {
      * thread. */
     _Atomic uint64_t alive_ns;
     atomic_bool rendering;
-    bool failed; /* scripts.message and scripts.trace hold the error */
+    bool failed; /* scripts.failure holds the error */
     bool over;   /* daft.quit was called */
 } game_state;
 

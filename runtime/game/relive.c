@@ -113,7 +113,7 @@ relive_end relive(game_state *old, game_state *fresh, trail *from, char message[
         take_over(old, fresh);
         game_close(old);
     } else if (opened) {
-        snprintf(message, HOST_MESSAGE, "%s", fresh->scripts.message);
+        snprintf(message, HOST_MESSAGE, "%s", fresh->scripts.failure.message);
         good = in_time && !fresh->failed;
         game_close(fresh);
     } else {

@@ -51,8 +51,8 @@ typedef struct session {
     bool left, closed, overlay, reported;
     bool wants_reload, wants_shot, grabbed;
     frame_times times;
-    double update_ms, frame_ms, turn_ms; /* smoothed, for the overlay */
-    uint64_t hashed, shot_done, turns;
+    double update_ms, frame_ms, turn_ms;      /* smoothed, for the overlay */
+    uint64_t hashed, drawn, shot_done, turns; /* ticks */
     progress_bar bar;
     _Atomic uint64_t polled_ns; /* when events were last taken */
     atomic_bool leaving;        /* set by the watchdog's thread: Esc or the close button waits in the queue */
@@ -140,6 +140,23 @@ static bool draw_game(session *s, float alpha, daft_error *error)
     return game_draw_over(s->play, s->picture);
 }
 
+static bool can_edit(const session *s) { return s->def->editor && s->play->scripts.failure.file[0]; }
+
+static void draw_failure(session *s)
+{
+    const failure *why = &s->play->scripts.failure;
+    canvas over = canvas_over(s->picture);
+    error_report shown = {s->info->title,
+                          why->message,
+                          why->source,
+                          why->trace,
+                          why->values,
+                          can_edit(s) ? "R  try again      C  copy      E  edit      Esc  leave"
+                                      : "R  try again      C  copy      Esc  leave"};
+    if (s->notice[0] && s->notice_ns) shown.keys = s->notice;
+    screen_error(&over, s->def->face, &shown);
+}
+
 /* Draws the game, or the error that stopped it. */
 static bool has_kept_tiles(const daft_counters *c)
 {
@@ -150,6 +167,7 @@ static bool has_kept_tiles(const daft_counters *c)
 static bool draw(session *s, float alpha, daft_error *error)
 {
     if (!session_fit_picture(s->def, &s->picture, error)) return false;
+    s->drawn = s->play->ticks;
     uint64_t began = clock_now_ns();
     const bool drawn = draw_game(s, alpha, error);
     if (!drawn && !s->play->failed) return false;
@@ -159,10 +177,9 @@ static bool draw(session *s, float alpha, daft_error *error)
         s->reused = has_kept_tiles(daft_scene_counters(s->play->scene));
         if (s->def->stats) frame_times_add(&s->times, ms, daft_scene_counters(s->play->scene));
     } else {
-        canvas over = canvas_over(s->picture);
-        screen_error(&over, s->def->face, s->info->title, s->play->scripts.message, s->play->scripts.trace);
+        draw_failure(s);
     }
-    if (s->notice[0]) {
+    if (s->notice[0] && !(s->play->failed && s->notice_ns)) {
         canvas over = canvas_over(s->picture);
         screen_notice(&over, s->def->face, s->notice, s->notice_ns == 0);
     }
@@ -215,13 +232,44 @@ static bool is_pause(const session *s, const input_event *event)
     return s->def->pauses && !s->play->failed && (strcmp(name, "escape") == 0 || strcmp(name, "pad start") == 0);
 }
 
+static void tell(session *s, const char *text)
+{
+    snprintf(s->notice, sizeof s->notice, "%s", text);
+    s->notice_ns = s->def->screen->now_ns(s->def->screen) + 2000000000u;
+}
+
+static void copy_failure(session *s)
+{
+    char text[FAILURE_TEXT];
+    platform *screen = s->def->screen;
+    const bool good = screen->copy && screen->copy(screen, failure_text(&s->play->scripts.failure, text, sizeof text));
+    tell(s, good ? "copied" : "there is no clipboard");
+}
+
+static void edit_failure(session *s)
+{
+    const failure *why = &s->play->scripts.failure;
+    if (!s->def->editor)
+        tell(s, "E opens the editor that $VISUAL or $EDITOR names: neither is set");
+    else if (can_edit(s))
+        tell(s, editor_open(s->def->editor, why->file, why->line) ? "opened in your editor" : "the editor is gone");
+}
+
+/* Keys of the error screen. */
+static void handle_failure_key(session *s, const char *name)
+{
+    if (strcmp(name, "r") == 0) s->wants_reload = true;
+    if (strcmp(name, "c") == 0) copy_failure(s);
+    if (strcmp(name, "e") == 0) edit_failure(s);
+}
+
 static void handle_session_key(session *s, int key)
 {
     const char *name = input_key_name(key);
     if (strcmp(name, "escape") == 0) s->left = true;
     if (strcmp(name, "f1") == 0) s->overlay = !s->overlay;
     if (strcmp(name, "f12") == 0) s->wants_shot = true;
-    if (strcmp(name, "r") == 0 && s->play->failed) s->wants_reload = true;
+    if (s->play->failed) handle_failure_key(s, name);
 }
 
 static void take_input(session *s, const input_event *event)
@@ -318,6 +366,9 @@ static bool at_end(session *s, daft_error *error)
     if (s->def->shot && s->def->shot_tick > 0 && s->shot_done == 0)
         return fail(error, DAFT_ERROR_ARGUMENT, "--shot-tick %" PRIu64 ": the game ended at tick %" PRIu64,
                     s->def->shot_tick, s->play->ticks);
+    /* Without a window few pictures are drawn: a broken daft.draw is not to go unseen. */
+    if (s->def->screen->headless && s->play->ticks > 0 && s->drawn != s->play->ticks && !draw(s, 1, error))
+        return false;
     if (!s->def->stats) return true;
     if (s->times.count == 0 && !draw(s, 1, error)) return false;
     s->times.memory = daft_engine_memory(s->def->engine);
@@ -345,8 +396,8 @@ static void report_script(session *s)
     if (!s->play->failed || s->reported || s->play->scripts.asked) return;
     progress_end(&s->bar);
     fflush(stdout);
-    fprintf(stderr, "daft: %s\n%s%s", s->play->scripts.message, s->play->scripts.trace,
-            s->play->scripts.trace[0] ? "\n" : "");
+    char text[FAILURE_TEXT];
+    fprintf(stderr, "daft: %s", failure_text(&s->play->scripts.failure, text, sizeof text));
     s->reported = true;
 }
 

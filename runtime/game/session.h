@@ -1,11 +1,13 @@
-/* session: plays one game on a platform: the loop with its clock, what the program's own keys do (Esc, F1, F12, R), the
- * picture's size, recordings, hashes, pictures to files, and figures. The same code runs with and without a window.
- * Promises: Esc and the window's close button work at any time, also while a callback does not come back; whatever ends
- * the program early, the recording is saved up to the tick that had begun. */
+/* session: plays one game on a platform: the loop with its clock, what the program's own keys do (Esc, F1, F12; R, C
+ * and E where a script has failed), the picture's size, recordings, hashes, pictures to files, and figures. The same
+ * code runs with and without a window. Promises: Esc and the window's close button work at any time, also while a
+ * callback does not come back; whatever ends the program early, the recording is saved up to the tick that had begun.
+ */
 #ifndef RUNTIME_GAME_SESSION_H
 #define RUNTIME_GAME_SESSION_H
 
 #include "game/game.h"
+#include "platform/editor.h"
 #include "platform/platform.h"
 #include "common/progress.h"
 #include "common/stats.h"
@@ -40,6 +42,7 @@ typedef struct session_def {
     bool pauses;                 /* Esc opens the pause menu; else it leaves */
     bool watches;                /* files of the game that are saved take effect while it runs */
     const char *settings;        /* folder of the player's settings, or NULL */
+    editor *editor;              /* for E on the error screen, or NULL */
 } session_def;
 
 typedef enum session_end {

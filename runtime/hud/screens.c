@@ -6,35 +6,86 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const canvas_color WHITE = {245, 247, 250, 255}, GREY = {170, 180, 195, 255}, RED = {255, 120, 105, 255};
 
-void screen_error(const canvas *target, font *face, const char *game, const char *message, const char *trace)
+enum { ERROR_FOOT = CANVAS_HEIGHT - 66 }; /* of the keys */
+
+/* Copies the next line, without its tabs, and is how many of these there were; -1: the text has ended. */
+static int take_line(const char **text, char *out, size_t size)
 {
-    float width = canvas_hud_width(target), margin = 48, inner = width - 2 * margin;
-    canvas_rect(target, 0, 0, width, CANVAS_HEIGHT, (canvas_color){18, 22, 32, 238});
-    canvas_rect(target, 0, 0, width, 6, RED);
-    text_style style = {34, RED, TEXT_LEFT, false};
-    char title[200];
-    snprintf(title, sizeof title, "%.150s has stopped", game);
-    text_draw(target, face, title, margin, 36, &style);
-    style.size = 26, style.color = WHITE;
-    float y = 96;
-    y += text_draw_wrapped(target, face, message, margin, y, inner, &style) + 22;
-    style.size = 18, style.color = GREY;
-    /* As much of the trace as fits above the last line. */
-    char line[400];
-    while (trace && *trace && y < CANVAS_HEIGHT - 90) {
-        const char *end = strchr(trace, '\n');
-        snprintf(line, sizeof line, "%.*s", (int)(end ? end - trace : (long)strlen(trace)), trace);
-        const char *text = line + strspn(line, "\t");
-        y += text_draw_wrapped(target, face, text, margin + (text > line ? 24 : 0), y, inner - 24, &style);
-        trace = end ? end + 1 : NULL;
+    const char *at = *text;
+    if (!at || !*at) return -1;
+    const size_t tabs = strspn(at, "\t"), length = strcspn(at + tabs, "\n");
+    snprintf(out, size, "%.*s", (int)length, at + tabs);
+    at += tabs + length;
+    *text = *at ? at + 1 : at;
+    return (int)tabs;
+}
+
+/* The lines of the script, in a box. Returns its height. */
+static float draw_source(const canvas *target, font *face, const char *source, float x, float y, float width)
+{
+    const float line_height = 23, inset = 10;
+    char line[300];
+    int count = 0;
+    for (const char *at = source; take_line(&at, line, sizeof line) >= 0;) count++;
+    if (count == 0) return 0;
+    const float height = line_height * (float)count + 2 * inset;
+    canvas_rect(target, x, y, width, height, (canvas_color){8, 11, 18, 255});
+    float top = y + inset;
+    for (const char *at = source; take_line(&at, line, sizeof line) >= 0; top += line_height) {
+        const bool failed = line[0] == '>';
+        const char *bar = strchr(line, '|');
+        if (!bar) continue;
+        if (failed) canvas_rect(target, x, top - 1, width, line_height, (canvas_color){120, 34, 28, 255});
+        char number[16];
+        snprintf(number, sizeof number, "%d", atoi(line + 1));
+        text_style style = {18, failed ? WHITE : GREY, TEXT_RIGHT, false};
+        text_draw(target, face, number, x + 54, top, &style);
+        style.align = TEXT_LEFT;
+        const char *code = bar + 1 + (bar[1] == ' ');
+        const float indent = text_width(face, "n", 18) * (float)strspn(code, " "); /* blanks are narrow */
+        text_draw(target, face, code + strspn(code, " "), x + 74 + indent, top, &style);
     }
+    return height;
+}
+
+/* As many lines as fit above the keys. */
+static void draw_column(const canvas *target, font *face, const char *text, float x, float y, float width)
+{
+    text_style style = {17, GREY, TEXT_LEFT, false};
+    char line[400];
+    for (int tabs; (tabs = take_line(&text, line, sizeof line)) >= 0;) {
+        const float indent = tabs > 0 ? 20 : 0;
+        style.color = tabs > 0 ? GREY : WHITE;
+        if (y + text_draw_wrapped(NULL, face, line, 0, 0, width - indent, &style) > ERROR_FOOT - 8) return;
+        y += text_draw_wrapped(target, face, line, x + indent, y, width - indent, &style);
+    }
+}
+
+void screen_error(const canvas *target, font *face, const error_report *report)
+{
+    const float width = canvas_hud_width(target), margin = 48, inner = width - 2 * margin;
+    canvas_rect(target, 0, 0, width, CANVAS_HEIGHT, (canvas_color){18, 22, 32, 244});
+    canvas_rect(target, 0, 0, width, 6, RED);
+    text_style style = {30, RED, TEXT_LEFT, false};
+    char title[200];
+    snprintf(title, sizeof title, "%.150s has stopped", report->game);
+    text_draw(target, face, title, margin, 30, &style);
     style.size = 24, style.color = WHITE;
-    canvas_rect(target, margin, CANVAS_HEIGHT - 66, inner, 1, (canvas_color){255, 255, 255, 60});
-    text_draw(target, face, "R  reload          Esc  leave", margin, CANVAS_HEIGHT - 52, &style);
+    float y = 80;
+    y += text_draw_wrapped(target, face, report->message, margin, y, inner, &style) + 14;
+    y += draw_source(target, face, report->source, margin, y, inner) + 16;
+    const bool both = report->values[0] && report->trace[0];
+    const float column = both ? (inner - 32) / 2 : inner;
+    draw_column(target, face, report->trace, margin, y, column);
+    draw_column(target, face, report->values, both ? margin + column + 32 : margin, y, column);
+    style.size = 22, style.color = WHITE;
+    canvas_rect(target, margin, ERROR_FOOT, inner, 1, (canvas_color){255, 255, 255, 60});
+    text_draw(target, face, report->keys, margin, ERROR_FOOT + 16, &style);
 }
 
 void screen_notice(const canvas *target, font *face, const char *text, bool wrong)

@@ -4,8 +4,17 @@
 
 #include "hud/canvas.h"
 
-/* Darkens the picture and draws title, message, stack trace and the keys that help. */
-void screen_error(const canvas *target, font *face, const char *game, const char *message, const char *trace);
+/* Why a game has stopped. Texts of lines; those but the first two may be empty. */
+typedef struct error_report {
+    const char *game, *message;
+    const char *source; /* the line that failed begins with '>' */
+    const char *trace;
+    const char *values;
+    const char *keys; /* what the player may press */
+} error_report;
+
+/* Darkens the picture and draws all of it: message, source, then stack and values side by side. */
+void screen_error(const canvas *target, font *face, const error_report *report);
 
 /* A line or some over the lower edge. `wrong`: of a mistake. */
 void screen_notice(const canvas *target, font *face, const char *text, bool wrong);

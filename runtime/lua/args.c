@@ -221,6 +221,8 @@ size_t api_choice(lua_State *L, host *h, int index, const char *what, const char
         size_t used = strlen(list);
         snprintf(list + used, sizeof list - used, "%s\"%s\"", i == 0 ? "" : i + 1 == count ? " or " : ", ", names[i]);
     }
+    const char *near = text ? nearest_name(text, names, count) : NULL;
+    if (near) api_error(L, h, "%s: %s expected, got the string '%s': did you mean \"%s\"?", what, list, text, near);
     api_wrong(L, h, index, what, list);
 }
 
@@ -237,6 +239,15 @@ int api_key(lua_State *L, host *h, int index, const char *what)
               name);
 }
 
+/* What has a material has its colour from it. */
+static bool is_color_of_material(const char *key, const char *const *names, size_t count)
+{
+    if (strcmp(key, "color") != 0 && strcmp(key, "colour") != 0) return false;
+    for (size_t i = 0; i < count; i++)
+        if (strcmp(names[i], "material") == 0) return true;
+    return false;
+}
+
 void api_fields(lua_State *L, host *h, int index, const char *what, const char *const *names, size_t count)
 {
     index = lua_absindex(L, index);
@@ -251,6 +262,9 @@ void api_fields(lua_State *L, host *h, int index, const char *what, const char *
         if (known) continue;
         const char *near = nearest_name(key, names, count);
         if (near) api_error(L, h, "%s%sthere is no '%s': did you mean '%s'?", before, colon, key, near);
+        if (is_color_of_material(key, names, count))
+            api_error(L, h, "%s%sthere is no '%s': a colour is a material, as in material = \"#ff8800\"", before, colon,
+                      key);
         api_error(L, h, "%s%sthere is no '%s'", before, colon, key);
     }
 }

@@ -121,15 +121,18 @@ static void describe_place(lua_State *L, host *state)
     describe_stop(state, watchdog_look(state->dog), what, sizeof what);
     int level = next_script_level(L, 0, &place);
     if (level == TRACE_LEVELS) {
-        snprintf(state->message, sizeof state->message, "%s", what);
+        snprintf(state->failure.message, sizeof state->failure.message, "%s", what);
         return;
     }
-    snprintf(state->message, sizeof state->message, "%s:%d: %s", place.short_src, place.currentline, what);
-    size_t used = (size_t)snprintf(state->trace, sizeof state->trace, "stack traceback:");
-    for (; level < TRACE_LEVELS && used + 256 < sizeof state->trace; level = next_script_level(L, level + 1, &place))
-        used += (size_t)snprintf(state->trace + used, sizeof state->trace - used, "\n\t%s:%d: in %s%.60s%s",
-                                 place.short_src, place.currentline, place.name ? "function '" : "a function",
-                                 place.name ? place.name : "", place.name ? "'" : "");
+    snprintf(state->failure.message, sizeof state->failure.message, "%s:%d: %s", place.short_src, place.currentline,
+             what);
+    size_t used = (size_t)snprintf(state->failure.trace, sizeof state->failure.trace, "stack traceback:");
+    for (; level < TRACE_LEVELS && used + 256 < sizeof state->failure.trace;
+         level = next_script_level(L, level + 1, &place))
+        used +=
+            (size_t)snprintf(state->failure.trace + used, sizeof state->failure.trace - used, "\n\t%s:%d: in %s%.60s%s",
+                             place.short_src, place.currentline, place.name ? "function '" : "a function",
+                             place.name ? place.name : "", place.name ? "'" : "");
 }
 
 static void on_stop(lua_State *L, lua_Debug *unused);
@@ -142,7 +145,7 @@ static void raise_stop(lua_State *L, host *state)
         state->asked = watchdog_look(state->dog) == WATCHDOG_ASKED;
         describe_place(L, state);
     }
-    lua_pushstring(L, state->message);
+    lua_pushstring(L, state->failure.message);
     lua_error(L);
 }
 
@@ -209,13 +212,52 @@ static bool leads_outside(const char *name)
     return name[0] == '/';
 }
 
+enum { MOST_NEAR = 512 };
+
+typedef struct file_names {
+    const char *names[MOST_NEAR];
+    char text[16384];
+    size_t count, used;
+} file_names;
+
+static void keep_name(void *user, const char *name)
+{
+    file_names *list = user;
+    const size_t size = strlen(name) + 1;
+    if (list->count == MOST_NEAR || list->used + size > sizeof list->text) return;
+    memcpy(list->text + list->used, name, size);
+    list->names[list->count++] = list->text + list->used;
+    list->used += size;
+}
+
+/* By the names of files in the same folder. */
+static const char *near_file(const host *state, const char *name, char out[HINT_SIZE])
+{
+    file_names *list = calloc(1, sizeof *list);
+    const char *slash = strrchr(name, '/');
+    char folder[PATH_SIZE];
+    out[0] = 0;
+    if (!list) return out;
+    const int length = slash ? (int)(slash - name) : 0;
+    snprintf(folder, sizeof folder, "%.*s", length, name);
+    daft_files_list(state->def.files, folder, keep_name, list);
+    if (!slash) daft_files_list(state->def.files, "meshes", keep_name, list); /* which may be left out */
+    char prefix[64];
+    if (snprintf(prefix, sizeof prefix, "%.*s", slash ? length + 1 : 0, name) < (int)sizeof prefix)
+        did_you_mean(out, prefix, slash ? slash + 1 : name, list->names, list->count);
+    free(list);
+    return out;
+}
+
 bool host_find_file(const host *state, const char *name, char *out, size_t size, daft_error *error)
 {
     if (daft_files_find(state->def.files, name, out, size)) return true;
     if (leads_outside(name))
         return fail(error, DAFT_ERROR_ARGUMENT, "'%s' leads outside: files are in the game's folder or in assets/",
                     name);
-    return fail(error, DAFT_ERROR_IO, "there is no file '%s', neither in the game's folder nor in assets/", name);
+    char hint[HINT_SIZE];
+    return error && fail(error, DAFT_ERROR_IO, "there is no file '%s', neither in the game's folder nor in assets/%s",
+                         name, near_file(state, name, hint));
 }
 
 /* Compiles one of the game's files. Its name in messages is short: where the folder stands does not matter. */
@@ -286,11 +328,13 @@ void host_keep_trace(host *state, lua_State *L, lua_State *failed)
 {
     if (state->inner[0]) return;
     luaL_traceback(L, failed, NULL, 0);
+    failure_take_values(&state->failure, failed, 0,
+                        lua_type(failed, -1) == LUA_TSTRING ? lua_tostring(failed, -1) : "");
     snprintf(state->inner, sizeof state->inner, "%s", lua_tostring(L, -1));
     lua_pop(L, 1);
 }
 
-void host_forget_trace(host *state) { state->inner[0] = 0; }
+void host_forget_trace(host *state) { state->inner[0] = state->failure.values[0] = 0; }
 
 /* Turns any error value into the message, and keeps the trace: that of the coroutine in which it began, and then its
  * caller's. */
@@ -301,14 +345,16 @@ static int on_error(lua_State *L)
     const char *message = lua_tostring(L, 1);
     if (!message && luaL_callmeta(L, 1, "__tostring") && lua_isstring(L, -1)) message = lua_tostring(L, -1);
     if (!message) message = lua_pushfstring(L, "(an error that is a %s)", luaL_typename(L, 1));
-    snprintf(state->message, sizeof state->message, "%s", message);
+    snprintf(state->failure.message, sizeof state->failure.message, "%s", message);
+    failure_take_values(&state->failure, L, 1, message);
     luaL_traceback(L, L, NULL, 1);
     const char *trace = lua_tostring(L, -1), *last = strrchr(trace, '\n');
     /* The last line is this file's own call, which tells the author of a game nothing. */
     size_t length = last && strcmp(last, "\n\t[C]: in ?") == 0 ? (size_t)(last - trace) : strlen(trace);
     if (!memchr(trace, '\n', length)) length = 0;
     const char *lines = state->inner[0] && length ? memchr(trace, '\n', length) : trace;
-    snprintf(state->trace, sizeof state->trace, "%s%.*s", state->inner, (int)(length - (size_t)(lines - trace)), lines);
+    snprintf(state->failure.trace, sizeof state->failure.trace, "%s%.*s", state->inner,
+             (int)(length - (size_t)(lines - trace)), lines);
     return 1;
 }
 
@@ -351,30 +397,31 @@ static int carry_out(lua_State *L)
 static void describe_failure(host *state, int status, watchdog_state ended)
 {
     lua_State *L = state->L;
-    if (state->message[0]) return;
+    if (state->failure.message[0]) return;
     if (ended == WATCHDOG_RUNNING && status == LUA_ERRMEM && state->long_string) {
-        snprintf(state->message, sizeof state->message, "%s: not enough memory: a string may hold %zu MB at most",
-                 state->callback, HOST_STRING >> 20);
+        snprintf(state->failure.message, sizeof state->failure.message,
+                 "%s: not enough memory: a string may hold %zu MB at most", state->callback, HOST_STRING >> 20);
         return;
     }
     daft_memory memory = daft_engine_memory(state->def.engine);
     if (ended == WATCHDOG_RUNNING && status == LUA_ERRMEM && memory.limit) {
-        snprintf(state->message, sizeof state->message,
+        snprintf(state->failure.message, sizeof state->failure.message,
                  "%s: not enough memory: of the %.1f MB that the game may hold, %.1f are in use (--memory-limit)",
                  state->callback, (double)memory.limit / 1e6, (double)memory.used / 1e6);
         return;
     }
     if (ended != WATCHDOG_RUNNING)
-        describe_stop(state, ended, state->message, sizeof state->message);
+        describe_stop(state, ended, state->failure.message, sizeof state->failure.message);
     else
-        snprintf(state->message, sizeof state->message, "%s: %s", state->callback,
+        snprintf(state->failure.message, sizeof state->failure.message, "%s: %s", state->callback,
                  lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : "an error while handling an error");
 }
 
 static bool call(host *state, const char *shown, request what)
 {
     lua_State *L = state->L;
-    state->message[0] = state->trace[0] = state->inner[0] = 0;
+    failure_clear(&state->failure);
+    state->inner[0] = 0;
     state->callback = shown;
     state->call_ran = 0;
     state->stopped = state->asked = state->long_string = false;
@@ -392,6 +439,7 @@ static bool call(host *state, const char *shown, request what)
     bool good = status == LUA_OK && ended == WATCHDOG_RUNNING;
     if (ended == WATCHDOG_ASKED) state->asked = true;
     if (!good) describe_failure(state, status, ended);
+    if (!good) failure_find_source(&state->failure, state->def.files);
     state->calling = NULL;
     lua_settop(L, 0);
     return good;
@@ -478,7 +526,7 @@ bool host_open(host *state, const host_def *def)
     random_seed(&state->draw_random, ~def->seed);
     state->L = lua_newstate(allocate, state);
     if (!state->L) {
-        snprintf(state->message, sizeof state->message, "out of memory for Lua");
+        snprintf(state->failure.message, sizeof state->failure.message, "out of memory for Lua");
         return false;
     }
     *(host **)lua_getextraspace(state->L) = state;
@@ -487,7 +535,7 @@ bool host_open(host *state, const host_def *def)
     daft_error error;
     state->dog = watchdog_open(&watch_over, &error);
     if (!state->dog) {
-        snprintf(state->message, sizeof state->message, "%s", error.message);
+        snprintf(state->failure.message, sizeof state->failure.message, "%s", error.message);
         return false;
     }
     return call(state, "daft", (request){.function = build}) && host_run_file(state, "main.lua");

@@ -13,6 +13,7 @@
 #include "hud/canvas.h"
 #include "files/home.h"
 #include "platform/input.h"
+#include "lua/failure.h"
 #include "lua/watchdog.h"
 #include "sound/sound.h"
 
@@ -29,7 +30,7 @@ typedef struct random_state {
     uint64_t s[4];
 } random_state;
 
-enum { HOST_MESSAGE = 1024, HOST_TRACE = 4096 };
+enum { HOST_MESSAGE = FAILURE_MESSAGE };
 
 typedef struct host_def {
     const daft_files *files; /* the game's: see game_source */
@@ -86,8 +87,8 @@ typedef struct host {
     mixer mixer;                /* what sounds */
     uint32_t sounds, music;     /* made so far; the voice of the music */
     uint32_t fonts, images;     /* made so far */
-    char message[HOST_MESSAGE], trace[HOST_TRACE]; /* of the last error */
-    char inner[HOST_TRACE / 2]; /* the stack of the coroutine in which an error began that is on its way; or empty */
+    failure failure;            /* of the last call, if it failed */
+    char inner[FAILURE_TRACE / 2]; /* the stack of the coroutine in which an error began that is on its way; or empty */
 } host;
 
 /* What a game may hold where nobody says otherwise: the bytes of its scripts, meshes, textures and pictures together.
@@ -96,7 +97,7 @@ static const uint64_t HOST_MEMORY = 1000000000;
 /* The longest string, in bytes: no operation of Lua on one takes longer than a second. */
 static const size_t HOST_STRING = (size_t)64 << 20;
 
-/* Opens a state with the API and runs main.lua. On failure message and trace are filled, and so is the host: call
+/* Opens a state with the API and runs main.lua. On failure `failure` is filled, and so is the host: call
  * host_close all the same. `state` must not move afterwards. */
 bool host_open(host *state, const host_def *def);
 void host_close(host *state);

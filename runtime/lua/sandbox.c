@@ -7,6 +7,7 @@
  *   - math.random and math.randomseed are daft.random and daft.randomseed;
  *   - pairs() goes in a fixed order: numbers rising, strings in the order of their bytes, false and true, then the
  *     rest in no fixed order (Lua's own order hangs on addresses);
+ *   - tostring, print and string.format show no addresses, but numbers in the order in which they were asked for;
  *   - table.sort is a stable merge sort (Lua's own picks pivots by the clock);
  *   - pcall, xpcall and coroutines pass on the error with which the watchdog stops a script;
  *   - there is no __gc, and functions that would loop for ever out of the watchdog's sight refuse to. */
@@ -203,6 +204,7 @@ void sandbox_open(lua_State *L)
     }
     protect_open(L, open_debug(L));
     lists_open(L);
+    texts_open(L);
     const luaL_Reg globals[] = {{"load", load}, {"setmetatable", set_metatable}, {NULL, NULL}};
     lua_pushglobaltable(L);
     luaL_setfuncs(L, globals, 0);

@@ -8,5 +8,7 @@
 void protect_open(lua_State *L, lua_CFunction traceback);
 /* pairs, and table.sort, insert, remove and move that can be stopped (lists.c). */
 void lists_open(lua_State *L);
+/* tostring, print and string.format without addresses (texts.c). */
+void texts_open(lua_State *L);
 
 #endif

@@ -327,6 +327,14 @@ static void set_title_sdl(platform *self, const char *title)
     unlock(sdl);
 }
 
+static bool copy_sdl(platform *self, const char *text)
+{
+    sdl_platform *sdl = lock(self);
+    const bool good = SDL_SetClipboardText(text) == 0;
+    unlock(sdl);
+    return good;
+}
+
 static void grab_sdl(platform *self, bool grab)
 {
     sdl_platform *sdl = lock(self);
@@ -389,6 +397,7 @@ platform *platform_open_sdl(const char *title, int width, int height, daft_error
                            .end_frame = end_frame_sdl,
                            .now_ns = now_sdl,
                            .set_title = set_title_sdl,
+                           .copy = copy_sdl,
                            .full_screen = full_screen_sdl,
                            .grab_mouse = grab_sdl,
                            .hide = hide_sdl,

@@ -10,7 +10,7 @@
 
 static frame_result fail_script(const film_game *self, daft_error *error)
 {
-    fail(error, DAFT_ERROR_ARGUMENT, "%.900s", self->play.scripts.message);
+    fail(error, DAFT_ERROR_ARGUMENT, "%.900s", self->play.scripts.failure.message);
     return FRAME_FAILED;
 }
 

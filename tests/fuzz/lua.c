@@ -79,8 +79,9 @@ int lua_input(const uint8_t *data, size_t size)
     static host scripts;
     bool good = host_open(&scripts, &def) && host_load(&scripts);
     for (int i = 0; good && i < TICKS && !scripts.quit && !scripts.restart; i++) good = tick(&scripts, on, i);
-    FUZZ_CHECK(good || scripts.message[0]);
-    FUZZ_CHECK(memchr(scripts.message, 0, sizeof scripts.message) && memchr(scripts.trace, 0, sizeof scripts.trace));
+    FUZZ_CHECK(good || scripts.failure.message[0]);
+    FUZZ_CHECK(memchr(scripts.failure.message, 0, sizeof scripts.failure.message) &&
+               memchr(scripts.failure.trace, 0, sizeof scripts.failure.trace));
     host_close(&scripts);
     FUZZ_CHECK(scripts.memory == 0);
     daft_scene_destroy(def.scene);

@@ -78,7 +78,7 @@ static void run_on(checker *c, daft_engine *engine, const game_info *info)
     if (!picture || !game_open(&play, &def, &error)) {
         check_problem(c, DAFT_SEVERITY_ERROR, &error);
     } else {
-        if (!run(&play, picture)) report_script_error(c, info, play.scripts.message);
+        if (!run(&play, picture)) report_script_error(c, info, play.scripts.failure.message);
         game_close(&play);
     }
     daft_image_destroy(picture);

@@ -153,4 +153,28 @@ end
 pcall(nest)
 assert(depth > 10 and depth < 1000)
 
+-- Texts show no addresses, which differ from run to run, but numbers in the order in which they were asked for.
+local first, second = {}, {}
+assert(tostring(second) == "table 1" and tostring(first) == "table 2" and tostring(second) == "table 1")
+assert(tostring(print) == "function 3" and tostring(coroutine.create(print)) == "thread 4")
+assert(("%s|%5s|%%|%d|%s"):format(first, "a", 3, nil) == "table 2|    a|%|3|nil")
+assert(tostring(setmetatable({}, { __name = "Enemy" })):find("^Enemy %d+$"))
+assert(("%s"):format(setmetatable({}, { __tostring = function() return "own" end })) == "own")
+expect_error("no %p in games", string.format, "%-10p", {})
+expect_error("no value", string.format, "%s")
+expect_error("must return a string", tostring, setmetatable({}, { __tostring = function() return {} end }))
+for _ = 1, 100 do tostring({}) end
+assert(tostring(first) == "table 2") -- the others are forgotten, their numbers are not given again
+local drawn = {}
+function daft.draw()
+    assert(tostring(first) == "table 2" and tostring(drawn):find("^table draw %d+$"), tostring(drawn))
+end
+
+-- What is nearly right is said.
+expect_error("did you mean 'meshes/island.obj'", daft.mesh, "meshes/ilsand.obj")
+expect_error("did you mean 'checker'", daft.entity, { box = { 1, 1, 1 }, material = "chekcer" })
+expect_error('did you mean "sine"', daft.sound, { wave = "sinus" })
+expect_error("did you mean 'color'", daft.entity, { box = { 1, 1, 1 }, material = { colour = "#fff" } })
+expect_error("a colour is a material", daft.entity, { box = { 1, 1, 1 }, colour = "#fff" })
+
 function daft.update() end

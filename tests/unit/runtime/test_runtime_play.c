@@ -93,6 +93,38 @@ static void script_errors_are_status_1_with_place_and_trace(void **unused)
     assert_null(strstr(output, "tick ")); /* a game that failed has no hash */
 }
 
+/* A run without a window draws its last picture, whatever else it is for. */
+static void a_broken_draw_fails_without_a_window(void **unused)
+{
+    (void)unused;
+    int status = run_daft(output, "play tests/games/broken_draw --headless --ticks 7");
+    assert_status(status, 1, output);
+    assert_says(output, "broken_draw/main.lua:3: daft.text");
+}
+
+static void errors_show_the_source_and_the_values(void **unused)
+{
+    (void)unused;
+    int status = run_daft(output, "play tests/games/broken_values --headless");
+    assert_status(status, 1, output);
+    static const char *const wanted[] = {
+        "broken_values/main.lua:9: attempt to perform arithmetic on a nil value (field 'speed')\n",
+        "     8 |     crate.name = \"crate\"\n>    9 |     local y = player.speed * factor\n    10 |     return y\n",
+        "\nstack traceback:\n\tbroken_values/main.lua:9: in upvalue 'inner'\n",
+        "values in 'inner' (broken_values/main.lua:9):\n\tfactor = 2.5\n\tlist = {1, \"two\", {3}, deep = {a = {…}}, "
+        "…}\n",
+        "\ttext = \"line\\n\"\n", /* as it would be written */
+        "\tcrate = entity ",
+        " \"crate\"\n",
+        "\tplayer = {hp = 3, name = \"Eve\"}\n"};
+    for (size_t i = 0; i < sizeof wanted / sizeof wanted[0]; i++) assert_says(output, wanted[i]);
+    assert_null(strstr(output, "0x"));
+    status = run_daft(output, "play tests/games/broken_task --headless");
+    assert_status(status, 1, output);
+    assert_says(output, ">    4 |     return nothing.field\n");
+    assert_says(output, "values in 'inner' (broken_task/main.lua:4):\n\tnothing = nil\n");
+}
+
 typedef struct stage {
     home where;
     game_info info;
@@ -142,7 +174,7 @@ static void an_endless_script_can_be_stopped(void **unused)
     atomic_store(&s.gives_up, true);
     assert_false(game_tick(&play));
     assert_true(play.failed && play.scripts.asked);
-    assert_says(play.scripts.message, "daft.update was stopped");
+    assert_says(play.scripts.failure.message, "daft.update was stopped");
     game_close(&play);
     tear_down(&s);
 }
@@ -266,6 +298,8 @@ int main(void)
                                        cmocka_unit_test(the_games_of_the_design_and_of_the_house_play),
                                        cmocka_unit_test(restarting_starts_afresh),
                                        cmocka_unit_test(script_errors_are_status_1_with_place_and_trace),
+                                       cmocka_unit_test(a_broken_draw_fails_without_a_window),
+                                       cmocka_unit_test(errors_show_the_source_and_the_values),
                                        cmocka_unit_test(an_endless_script_can_be_stopped),
                                        cmocka_unit_test(a_broken_game_reloads),
                                        cmocka_unit_test(hashes_do_not_depend_on_threads_or_instruction_set),

@@ -38,6 +38,7 @@ typedef struct script_platform {
     int picture_width, picture_height;
     uint8_t corner[4]; /* of the last picture */
     char title[200];
+    char copied[FAILURE_TEXT]; /* to the clipboard */
 } script_platform;
 
 static char folder[64], recorded[96]; /* of games that tests write */
@@ -129,6 +130,11 @@ static void set_title_script(platform *self, const char *title)
 }
 
 static void grab_script(platform *self, bool grab) { (void)self, (void)grab; }
+static bool copy_script(platform *self, const char *text)
+{
+    snprintf(((script_platform *)self)->copied, FAILURE_TEXT, "%s", text);
+    return true;
+}
 static void hide_script(platform *self) { ((script_platform *)self)->hidden = true; }
 
 /* ---- the stage ---- */
@@ -159,6 +165,7 @@ static void set_up(const happening *script, size_t count)
                                           .end_frame = end_frame_script,
                                           .now_ns = now_script,
                                           .set_title = set_title_script,
+                                          .copy = copy_script,
                                           .grab_mouse = grab_script,
                                           .hide = hide_script},
                                  .script = script,
@@ -541,6 +548,71 @@ static void a_script_error_is_shown_and_r_reloads(void **unused)
     tear_down();
 }
 
+static bool file_says(const char *path, const char *wanted)
+{
+    char line[300] = "";
+    FILE *file = fopen(path, "r");
+    if (!file) return false;
+    if (!fgets(line, sizeof line, file)) line[0] = 0;
+    fclose(file);
+    return strcmp(line, wanted) == 0;
+}
+
+/* A script in place of the editor writes what it is given. */
+static editor *open_editor(const char *name, char out[120])
+{
+    char path[120], text[300], folder_of_games[PATH_SIZE];
+    daft_error error;
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    snprintf(out, 120, "%s/opened-%s", folder, name);
+    const int size = snprintf(text, sizeof text, "#!/bin/sh\necho \"$@\" >%s.part\nmv %s.part %s\n", out, out, out);
+    assert_true(daft_write_file(path, text, (size_t)size, &error));
+    assert_int_equal(chmod(path, 0700), 0);
+    snprintf(folder_of_games, sizeof folder_of_games, "%s/tests/games", DAFT_ROOT);
+    setenv("VISUAL", path, 1);
+    editor *opened = editor_start(folder_of_games);
+    unsetenv("VISUAL");
+    assert_non_null(opened);
+    return opened;
+}
+
+/* C and E of the error screen. */
+static void an_error_is_copied_and_opened_in_the_editor(void **unused)
+{
+    (void)unused;
+    char opened[120], wanted[300];
+    make_folder();
+    const happening script[] = {{40, "+c", 0, 0}, {45, "+e", 0, 0}, {60, "+escape", 0, 0}};
+    static const struct {
+        const char *name, *form;
+    } editors[] = {{"vi", "+5 %s/tests/games/broken_update/main.lua\n"},
+                   {"code", "-g %s/tests/games/broken_update/main.lua:5\n"},
+                   {"subl", "%s/tests/games/broken_update/main.lua:5\n"}};
+    for (size_t i = 0; i < sizeof editors / sizeof editors[0]; i++) {
+        PLAY(script);
+        s.def.editor = open_editor(editors[i].name, opened);
+        assert_int_equal(play("broken_update"), SESSION_LEFT);
+        assert_non_null(strstr(s.screen.copied, "broken_update/main.lua:5: attempt to index a nil value"));
+        assert_non_null(strstr(s.screen.copied, ">    5 |         return nothing.field\n"));
+        assert_non_null(strstr(s.screen.copied, "stack traceback:\n"));
+        snprintf(wanted, sizeof wanted, editors[i].form, DAFT_ROOT);
+        for (int wait = 0; wait < 500 && access(opened, F_OK) != 0; wait++) usleep(10000);
+        assert_true(file_says(opened, wanted));
+        tear_down();
+        unlink(opened);
+        /* Nothing outside the folder, and no line that is none. */
+        assert_true(editor_open(s.def.editor, "/etc/passwd", 1));
+        snprintf(wanted, sizeof wanted, "%s/tests/games/../../README.md", DAFT_ROOT);
+        assert_true(editor_open(s.def.editor, wanted, 1));
+        assert_true(editor_open(s.def.editor, "tests/games/sample/main.lua", 0));
+        editor_close(s.def.editor); /* which waits for it */
+        assert_int_not_equal(access(opened, F_OK), 0);
+    }
+    drop_folder();
+    unsetenv("EDITOR");
+    assert_null(editor_start("/tmp"));
+}
+
 /* Pictures of a game follow each other: what the one before sampled counts in the next, in quality game. */
 static void pictures_of_soft_light_get_better(void **unused)
 {
@@ -679,6 +751,7 @@ int main(void)
                                        cmocka_unit_test(a_stopped_game_goes_on_when_it_is_right),
                                        cmocka_unit_test(the_picture_follows_the_window),
                                        cmocka_unit_test(a_script_error_is_shown_and_r_reloads),
+                                       cmocka_unit_test(an_error_is_copied_and_opened_in_the_editor),
                                        cmocka_unit_test(pictures_of_soft_light_get_better),
                                        cmocka_unit_test(what_is_pressed_is_recorded_and_focus_loss_releases_it),
                                        cmocka_unit_test(a_replay_hands_control_back),
