@@ -154,3 +154,30 @@ uint64_t clock_now_ns(void)
     clock_gettime(CLOCK_MONOTONIC, &now);
     return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
 }
+
+uint32_t utf8_next(const char **text)
+{
+    const unsigned char *at = (const unsigned char *)*text;
+    if (*at == 0) return 0;
+    int extra = *at < 0x80 ? 0 : (*at & 0xE0) == 0xC0 ? 1 : (*at & 0xF0) == 0xE0 ? 2 : (*at & 0xF8) == 0xF0 ? 3 : -1;
+    uint32_t code = extra <= 0 ? *at : *at & (0x3Fu >> extra);
+    for (int i = 1; i <= extra; i++) {
+        if ((at[i] & 0xC0) != 0x80)
+            extra = -1;
+        else
+            code = code << 6 | (at[i] & 0x3F);
+    }
+    static const uint32_t SMALLEST[] = {0, 0x80, 0x800, 0x10000}; /* of that many bytes: longer forms are none */
+    if (extra >= 0 && (code < SMALLEST[extra] || code > 0x10FFFF || (code >= 0xD800 && code < 0xE000))) extra = -1;
+    *text += extra < 0 ? 1 : extra + 1;
+    return extra < 0 ? 0xFFFD : code;
+}
+
+void utf8_put(uint32_t code, char out[5])
+{
+    const int extra = code < 0x80 ? 0 : code < 0x800 ? 1 : code < 0x10000 ? 2 : 3;
+    static const uint8_t FIRST[] = {0, 0xC0, 0xE0, 0xF0};
+    out[0] = (char)(FIRST[extra] | code >> (6 * extra));
+    for (int i = 1; i <= extra; i++) out[i] = (char)(0x80 | (code >> (6 * (extra - i)) & 0x3F));
+    out[extra + 1] = 0;
+}

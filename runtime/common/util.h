@@ -51,4 +51,9 @@ bool draft_commit(draft_file *out, const char *path, daft_error *error);
 
 uint64_t clock_now_ns(void); /* monotonic */
 
+/* The next code point of UTF-8, or 0 at the end. Each invalid byte gives U+FFFD. */
+uint32_t utf8_next(const char **text);
+/* A code point of at most 0x10FFFF as UTF-8. */
+void utf8_put(uint32_t code, char out[5]);
+
 #endif

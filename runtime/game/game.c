@@ -40,6 +40,7 @@ static bool start(game_state *state, daft_error *error)
                     .engine = state->def.engine,
                     .scene = state->scene,
                     .keys = &state->keys,
+                    .map = state->def.map,
                     .face = state->def.face,
                     .saves = state->def.saves,
                     .seed = state->def.seed,
@@ -117,6 +118,7 @@ static bool call_key_handlers(game_state *state)
             state->scripts.restart |= event->down;
             continue;
         }
+        if (event->kind == INPUT_TEXT && !host_typed(&state->scripts, event->key)) return false;
         if (event->kind == INPUT_KEY && !host_key(&state->scripts, event->key, event->down)) return false;
     }
     return true;

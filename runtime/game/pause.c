@@ -6,7 +6,9 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { CONTINUE, PACE, VOLUME, FULL_SCREEN, RESTART, LEAVE, ROWS };
+/* The first page, then what the page of keys has beside them. */
+enum { CONTINUE, PACE, VOLUME, FULL_SCREEN, CONTROLS, RESTART, LEAVE, KEY, KEYS_AS_AT_FIRST, BACK };
+enum { VISIBLE = 7 };
 
 static const float ROW = 58, WIDTH = 560, TOP = 232;
 static const canvas_color WHITE = {245, 247, 250, 255}, GREY = {176, 188, 206, 255}, SHADE = {8, 12, 22, 150},
@@ -48,40 +50,124 @@ void settings_save(saves *store, const player_settings *s)
     if (store && !saves_put(store, "settings", text, &error)) report(&error);
 }
 
+/* ---- rows ---- */
+
+typedef struct pause_row {
+    int kind;
+    const action *what; /* KEY */
+    int key;            /* the game's */
+} pause_row;
+
+/* The action's inputs that are keys, one by one; false: there are fewer. */
+static bool find_key(const actions *all, int which, pause_row *out)
+{
+    for (int i = 0; i < all->count; i++)
+        for (int k = 0; k < all->list[i].count; k++) {
+            const action_input *in = &all->list[i].inputs[k];
+            if (in->stick || which-- > 0) continue;
+            *out = (pause_row){KEY, &all->list[i], in->index};
+            return true;
+        }
+    return false;
+}
+
+static int count_keys(const pause_menu *self)
+{
+    pause_row unused;
+    int count = 0;
+    while (self->actions && find_key(self->actions, count, &unused)) count++;
+    return count;
+}
+
+static int count_rows(const pause_menu *self)
+{
+    const int keys = count_keys(self);
+    return self->controls ? keys + 2 : keys > 0 ? LEAVE + 1 : LEAVE;
+}
+
+static pause_row row_at(const pause_menu *self, int i)
+{
+    const int keys = count_keys(self);
+    pause_row row = {0};
+    if (!self->controls) return (pause_row){keys == 0 && i >= CONTROLS ? i + 1 : i, NULL, 0};
+    if (i < keys && find_key(self->actions, i, &row)) return row;
+    return (pause_row){i == keys ? KEYS_AS_AT_FIRST : BACK, NULL, 0};
+}
+
+static void choose(pause_menu *self, int row)
+{
+    const int rows = count_rows(self);
+    self->chosen = (row + rows) % rows;
+    if (self->chosen < self->first) self->first = self->chosen;
+    if (self->chosen >= self->first + VISIBLE) self->first = self->chosen - VISIBLE + 1;
+}
+
+static void open_page(pause_menu *self, bool controls, int row)
+{
+    self->controls = controls, self->first = 0, self->waits = -1;
+    choose(self, row);
+}
+
 /* ---- choosing ---- */
 
-void pause_open(pause_menu *self) { self->open = true, self->chosen = CONTINUE; }
+void pause_open(pause_menu *self)
+{
+    self->open = true;
+    open_page(self, false, CONTINUE);
+}
 
 static float left_of(const pause_menu *self) { return (self->hud_width - WIDTH) / 2; }
+
+static int visible_rows(const pause_menu *self)
+{
+    const int rows = count_rows(self);
+    return rows < VISIBLE ? rows : VISIBLE;
+}
 
 /* -1: none. */
 static int row_under_mouse(const pause_menu *self)
 {
     const float x = self->mouse_x - left_of(self), y = self->mouse_y - TOP;
-    return x >= 0 && x < WIDTH && y >= 0 && y < ROW * ROWS ? (int)(y / ROW) : -1;
+    const bool over = x >= 0 && x < WIDTH && y >= 0 && y < ROW * (float)visible_rows(self);
+    return over ? self->first + (int)(y / ROW) : -1;
 }
 
 /* The chosen setting's next value, or the one before; round and round where a click or Return cannot go back. */
 static pause_wish change(pause_menu *self, int by, bool round)
 {
     player_settings *s = self->settings, before = *s;
-    const int paces = (int)COUNT_OF(PACES);
-    if (self->chosen == PACE) s->pace = (s->pace + by + paces) % paces;
-    if (self->chosen == VOLUME) {
+    const int paces = (int)COUNT_OF(PACES), kind = row_at(self, self->chosen).kind;
+    if (kind == PACE) s->pace = (s->pace + by + paces) % paces;
+    if (kind == VOLUME) {
         s->volume += by;
         if (s->volume > 10) s->volume = round ? 0 : 10;
         if (s->volume < 0) s->volume = 0;
     }
-    if (self->chosen == FULL_SCREEN) s->full_screen = !s->full_screen;
+    if (kind == FULL_SCREEN) s->full_screen = !s->full_screen;
     return memcmp(s, &before, sizeof before) == 0 ? PAUSE_STAY : PAUSE_SET;
+}
+
+static pause_wish leave_page(pause_menu *self)
+{
+    if (self->controls) {
+        open_page(self, false, CONTROLS);
+        return PAUSE_STAY;
+    }
+    self->open = false;
+    return PAUSE_CONTINUE;
 }
 
 static pause_wish pick(pause_menu *self)
 {
-    switch (self->chosen) {
-    case CONTINUE: self->open = false; return PAUSE_CONTINUE;
+    const pause_row row = row_at(self, self->chosen);
+    switch (row.kind) {
+    case CONTINUE:
+    case BACK: return leave_page(self);
     case RESTART: self->open = false; return PAUSE_RESTART;
     case LEAVE: return PAUSE_LEAVE;
+    case CONTROLS: open_page(self, true, 0); return PAUSE_STAY;
+    case KEY: self->waits = row.key; return PAUSE_STAY;
+    case KEYS_AS_AT_FIRST: key_map_reset(self->keys); return PAUSE_KEYS;
     default: return change(self, 1, true);
     }
 }
@@ -93,68 +179,104 @@ static bool is_one_of(const char *key, const char *const *names)
     return false;
 }
 
+/* Some keys are the program's own. */
+static pause_wish take_new_key(pause_menu *self, int key)
+{
+    static const char *const OURS[] = {"f1", "f3", "f4", "f5", "f6", "f11", "f12", "pad start", "pad guide", NULL};
+    const char *name = input_key_name(key);
+    if (strcmp(name, "escape") == 0) self->waits = -1;
+    if (self->waits < 0 || is_one_of(name, OURS)) return PAUSE_STAY;
+    key_map_set(self->keys, self->waits, key);
+    self->waits = -1;
+    return PAUSE_KEYS;
+}
+
 static pause_wish take_key(pause_menu *self, const char *key)
 {
-    static const char *const BACK[] = {"escape", "pad b", "pad start", NULL}, *const UP[] = {"up", "pad up", "w", NULL},
-                             *const DOWN[] = {"down", "pad down", "s", "tab", NULL},
-                             *const LEFT[] = {"left", "pad left", "a", NULL},
-                             *const RIGHT[] = {"right", "pad right", "d", NULL},
-                             *const PICK[] = {"return", "keypad enter", "space", "pad a", NULL};
-    if (is_one_of(key, UP)) self->chosen = (self->chosen + ROWS - 1) % ROWS;
-    if (is_one_of(key, DOWN)) self->chosen = (self->chosen + 1) % ROWS;
+    static const char
+        *const ESCAPE[] = {"escape", "pad b", "pad start", NULL},
+               *const UP[] = {"up", "pad up", "w", NULL}, *const DOWN[] = {"down", "pad down", "s", "tab", NULL},
+               *const LEFT[] = {"left", "pad left", "a", NULL}, *const RIGHT[] = {"right", "pad right", "d", NULL},
+               *const PICK[] = {"return", "keypad enter", "space", "pad a", NULL};
+    if (is_one_of(key, UP)) choose(self, self->chosen - 1);
+    if (is_one_of(key, DOWN)) choose(self, self->chosen + 1);
     if (is_one_of(key, LEFT)) return change(self, -1, false);
     if (is_one_of(key, RIGHT)) return change(self, 1, false);
     if (is_one_of(key, PICK)) return pick(self);
     if (strcmp(key, "mouse1") == 0 && row_under_mouse(self) >= 0) {
-        self->chosen = row_under_mouse(self);
+        choose(self, row_under_mouse(self));
         return pick(self);
     }
-    if (!is_one_of(key, BACK)) return PAUSE_STAY;
-    self->open = false;
-    return PAUSE_CONTINUE;
+    return is_one_of(key, ESCAPE) ? leave_page(self) : PAUSE_STAY;
 }
 
 pause_wish pause_take(pause_menu *self, const input_event *event)
 {
     if (event->kind == INPUT_MOVE) {
         self->mouse_x = event->x, self->mouse_y = event->y;
-        if (row_under_mouse(self) >= 0) self->chosen = row_under_mouse(self);
+        if (row_under_mouse(self) >= 0 && self->waits < 0) choose(self, row_under_mouse(self));
     }
+    if (event->kind == INPUT_WHEEL && self->waits < 0 && event->y != 0)
+        choose(self, self->chosen - (event->y > 0 ? 1 : -1));
     if (event->kind != INPUT_KEY || !event->down) return PAUSE_STAY;
-    return take_key(self, input_key_name(event->key));
+    return self->waits >= 0 ? take_new_key(self, event->key) : take_key(self, input_key_name(event->key));
 }
 
 /* ---- drawing ---- */
 
-static const char *value_of(const player_settings *s, int row, char out[16])
+enum { VALUE = 48 };
+
+static const char *value_of(const pause_menu *self, const pause_row *row, char out[VALUE])
 {
-    switch (row) {
+    const player_settings *s = self->settings;
+    const int shown = row->kind == KEY ? key_map_shown(self->keys, row->key) : -1;
+    switch (row->kind) {
     case PACE: return PACES[s->pace].name;
-    case VOLUME: snprintf(out, 16, s->volume ? "%d %%" : "off", 10 * s->volume); return out;
+    case VOLUME: snprintf(out, VALUE, s->volume ? "%d %%" : "off", 10 * s->volume); return out;
     case FULL_SCREEN: return s->full_screen ? "on" : "off";
+    case KEY: return self->waits == row->key ? "press a key" : shown < 0 ? "nothing" : input_key_name(shown);
     default: return "";
     }
 }
 
+static const char *name_of(const pause_row *row)
+{
+    static const char *const NAMES[] = {"Continue",    "Frames", "Sound", "Full screen",      "Controls",
+                                        "Start again", "Leave",  "",      "Keys as at first", "Back"};
+    return row->kind == KEY ? row->what->name : NAMES[row->kind];
+}
+
+static void draw_row(const pause_menu *self, const canvas *over, font *face, int i)
+{
+    char text[VALUE];
+    const float left = left_of(self), y = TOP + ROW * (float)(i - self->first);
+    const bool chosen = i == self->chosen;
+    const pause_row row = row_at(self, i);
+    canvas_rect(over, left, y, WIDTH, ROW - 6, chosen ? CHOSEN : DARK);
+    text_style style = {26, WHITE, TEXT_LEFT, false};
+    text_draw(over, face, name_of(&row), left + 24, y + 12, &style);
+    style.color = chosen ? WHITE : GREY, style.align = TEXT_RIGHT;
+    text_draw(over, face, value_of(self, &row, text), left + WIDTH - 24, y + 12, &style);
+}
+
 void pause_draw(pause_menu *self, const canvas *over, font *face, const char *title)
 {
-    static const char *const NAMES[ROWS] = {"Continue", "Frames", "Sound", "Full screen", "Start again", "Leave"};
-    char text[16];
     self->hud_width = canvas_hud_width(over);
-    const float left = left_of(self), middle = self->hud_width / 2;
+    const int rows = count_rows(self), shown = visible_rows(self);
+    const float middle = self->hud_width / 2;
+    if (self->chosen >= rows || self->first + shown > rows) choose(self, 0); /* the game has changed its actions */
     canvas_rect(over, 0, 0, self->hud_width, CANVAS_HEIGHT, SHADE);
     text_style style = {56, WHITE, TEXT_CENTER, true};
-    text_draw(over, face, title, middle, TOP - 110, &style);
-    for (int row = 0; row < ROWS; row++) {
-        const float y = TOP + ROW * (float)row;
-        const bool chosen = row == self->chosen;
-        canvas_rect(over, left, y, WIDTH, ROW - 6, chosen ? CHOSEN : DARK);
-        style = (text_style){26, WHITE, TEXT_LEFT, false};
-        text_draw(over, face, NAMES[row], left + 24, y + 12, &style);
-        style.color = chosen ? WHITE : GREY, style.align = TEXT_RIGHT;
-        text_draw(over, face, value_of(self->settings, row, text), left + WIDTH - 24, y + 12, &style);
-    }
+    text_draw(over, face, self->controls ? "Controls" : title, middle, TOP - 110, &style);
+    for (int i = 0; i < shown; i++) draw_row(self, over, face, self->first + i);
     style = (text_style){18, GREY, TEXT_CENTER, true};
-    text_draw(over, face, "↑ ↓  choose      ← →  change      Return  do it      Esc  continue", middle,
-              TOP + ROW * ROWS + 20, &style);
+    const float below = TOP + ROW * (float)shown + 20;
+    text_draw(over, face,
+              self->waits >= 0 ? "Press a key or a button      Esc  leave it as it is"
+              : self->controls ? "↑ ↓  choose      Return  another key      Esc  back"
+                               : "↑ ↓  choose      ← →  change      Return  do it      Esc  continue",
+              middle, below, &style);
+    if (shown == rows) return;
+    const float track = ROW * (float)shown - 6, part = track / (float)rows;
+    canvas_rect(over, left_of(self) + WIDTH + 10, TOP + part * (float)self->first, 6, part * (float)shown, GREY);
 }

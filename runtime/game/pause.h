@@ -5,7 +5,7 @@
 
 #include "files/saves.h"
 #include "hud/canvas.h"
-#include "platform/input.h"
+#include "platform/actions.h"
 
 /* The player's, for all games. */
 typedef struct player_settings {
@@ -14,18 +14,22 @@ typedef struct player_settings {
     bool full_screen;
 } player_settings;
 
-typedef enum pause_wish { PAUSE_STAY, PAUSE_CONTINUE, PAUSE_SET, PAUSE_RESTART, PAUSE_LEAVE } pause_wish;
+typedef enum pause_wish { PAUSE_STAY, PAUSE_CONTINUE, PAUSE_SET, PAUSE_KEYS, PAUSE_RESTART, PAUSE_LEAVE } pause_wish;
 
 typedef struct pause_menu {
     bool open;
-    int chosen;
+    bool controls;     /* the page of keys is shown, not the first one */
+    int chosen, first; /* rows; the one on top */
+    int waits;         /* for the player to press what is to stand for this key of the game's; below 0: it does not */
     player_settings *settings;
+    const actions *actions; /* the game's */
+    key_map *keys;
     float mouse_x, mouse_y; /* HUD units */
     float hud_width;        /* of the last picture */
 } pause_menu;
 
 void pause_open(pause_menu *self);
-/* PAUSE_SET: a setting has changed. */
+/* PAUSE_SET: a setting has changed; PAUSE_KEYS: the keys have. */
 pause_wish pause_take(pause_menu *self, const input_event *event);
 void pause_draw(pause_menu *self, const canvas *over, font *face, const char *title);
 

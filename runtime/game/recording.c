@@ -112,6 +112,16 @@ static bool read_stick(reader *in, input_event *event)
     return event->key >= 0;
 }
 
+static bool read_typed(reader *in, input_event *event)
+{
+    const size_t digits = strspn(in->at, "0123456789abcdef");
+    event->kind = INPUT_TEXT;
+    event->key = digits > 0 && digits <= 6 ? (int)strtol(in->at, NULL, 16) : 0;
+    if (!input_is_text(event->key)) return bad(in, "the code point of a letter expected", NULL);
+    in->at += digits;
+    return line_ends(in);
+}
+
 static bool read_event(reader *in, recording *out, size_t *capacity)
 {
     recording_item item = {0};
@@ -131,8 +141,10 @@ static bool read_event(reader *in, recording *out, size_t *capacity)
         good = read_stick(in, &item.event);
     } else if (take_word(in, "width")) {
         good = read_width(in, &item.event);
+    } else if (take_word(in, "text")) {
+        good = read_typed(in, &item.event);
     } else {
-        good = bad(in, "+key, -key, mouse, motion, wheel, stick or width expected", NULL);
+        good = bad(in, "+key, -key, mouse, motion, wheel, stick, width or text expected", NULL);
     }
     if (!good) return false;
     if (out->count == *capacity) {
@@ -239,7 +251,7 @@ static bool read_lines(reader *in, char *text, recording *out)
         line = next;
         skip_blanks(in);
         if (in->number == 1) {
-            if (take_word(in, "daft-recording") && in->at[0] >= '1' && in->at[0] <= '3' && !in->at[1]) continue;
+            if (take_word(in, "daft-recording") && in->at[0] >= '1' && in->at[0] <= '4' && !in->at[1]) continue;
             return bad(in, "'daft-recording 1' expected: this is not a recording of this version", NULL);
         }
         if (*in->at == 0 || *in->at == '#') continue;
@@ -330,7 +342,7 @@ recorder *recorder_open(const char *path, const char *game, const char *pack, ui
         return NULL;
     }
     pthread_mutex_init(&writer->lock, NULL);
-    fprintf(writer->file, "daft-recording 3\ngame %s\nrate %d\nseed %" PRIu64 "\n", game, LOOP_RATE, seed);
+    fprintf(writer->file, "daft-recording 4\ngame %s\nrate %d\nseed %" PRIu64 "\n", game, LOOP_RATE, seed);
     if (pack[0]) fprintf(writer->file, "pack %s\n", pack);
     return writer;
 }
@@ -342,6 +354,8 @@ static void put_event(FILE *file, uint64_t tick, const input_event *event)
     fprintf(file, "%" PRIu64 " ", tick);
     if (event->kind == INPUT_KEY)
         fprintf(file, "%c%s\n", event->down ? '+' : '-', input_key_name(event->key));
+    else if (event->kind == INPUT_TEXT)
+        fprintf(file, "text %04x\n", (unsigned)event->key);
     else if (event->kind == INPUT_STICK)
         fprintf(file, "stick %.9g %s\n", (double)event->x, input_stick_names(&count)[event->key]);
     else if (event->kind == INPUT_WIDTH)

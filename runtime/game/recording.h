@@ -1,6 +1,6 @@
 /* recording: the input of a game, tick by tick, as a text file that replays it.
  *
- *     daft-recording 3          the format's version (1 had no 'tick' lines, 2 no 'saved' ones)
+ *     daft-recording 4          the format's version (1 had no 'tick' lines, 2 no 'saved' ones, 3 no 'text', 'width')
  *     game marble
  *     rate 60                   ticks a second
  *     seed 1                    seed of the random numbers
@@ -11,6 +11,8 @@
  *     41 mouse 640.5 360        the mouse, in HUD units from the top left
  *     41 motion -3 0.5          the grabbed mouse, in HUD units right and down
  *     41 wheel 0 1              notches, right and up positive
+ *     43 text 00e4              a letter was typed: its code point, hexadecimal
+ *     43 width 960              the picture is so wide from now on, in HUD units; before, 1280
  *     tick 60                   60 ticks have been recorded; once a second
  *     end 600                   ticks in all; the last line
  *

@@ -42,6 +42,7 @@ typedef struct session {
     saves *kept, *own; /* the game's; the program's */
     player_settings settings;
     pause_menu pause;
+    key_map keys;                /* the player's */
     bool redraws;                /* while it pauses: the picture is to change */
     bool paced;                  /* the player has set something in this session */
     daft_image *picture, *small; /* the window's; the scene's, where it has fewer pixels */
@@ -203,10 +204,35 @@ static void apply_settings(session *s)
     if (screen->full_screen) screen->full_screen(screen, s->settings.full_screen);
 }
 
+/* The name of this game's keys among the program's own saves. */
+static const char *name_of_keys(const session *s, char out[32])
+{
+    snprintf(out, 32, "keys_%016" PRIx64, daft_hash(s->info->name, strlen(s->info->name), 0));
+    return out;
+}
+
+static void load_keys(session *s)
+{
+    char name[32];
+    const char *text = NULL;
+    daft_error error;
+    key_map_reset(&s->keys);
+    if (s->def->pauses && saves_get(s->own, name_of_keys(s, name), &text, &error) && text) key_map_read(&s->keys, text);
+}
+
+static void save_keys(session *s)
+{
+    char name[32], text[KEY_MAP_TEXT];
+    daft_error error;
+    key_map_write(&s->keys, text);
+    if (!saves_put(s->own, name_of_keys(s, name), text, &error)) report(&error);
+}
+
 static void open_pause(session *s)
 {
     platform *screen = s->def->screen;
     if (screen->full_screen) s->settings.full_screen = screen->full_screen(screen, -1);
+    s->pause.actions = &s->play->scripts.actions, s->pause.keys = &s->keys;
     pause_open(&s->pause);
     input_push_release_all(&s->play->keys);
     s->redraws = true;
@@ -214,11 +240,13 @@ static void open_pause(session *s)
 
 static void take_pause(session *s, const input_event *event)
 {
-    const int before = s->pause.chosen;
+    const pause_menu before = s->pause;
     const pause_wish wish = pause_take(&s->pause, event);
-    s->redraws |= wish != PAUSE_STAY || s->pause.chosen != before;
+    s->redraws |= wish != PAUSE_STAY || s->pause.chosen != before.chosen || s->pause.controls != before.controls ||
+                  s->pause.waits != before.waits;
     if (wish == PAUSE_LEAVE) s->left = true;
     if (wish == PAUSE_RESTART) push_restart(s);
+    if (wish == PAUSE_KEYS) save_keys(s);
     if (wish != PAUSE_SET) return;
     s->paced = true;
     apply_settings(s);
@@ -272,6 +300,14 @@ static void handle_session_key(session *s, int key)
     if (s->play->failed) handle_failure_key(s, name);
 }
 
+/* What the player does, by the game's keys. */
+static void push_translated(session *s, input_event event)
+{
+    if (event.kind == INPUT_TEXT && !s->play->scripts.text) return;
+    if (event.kind == INPUT_KEY) event.key = s->keys.to[event.key];
+    if (event.kind != INPUT_KEY || event.key != KEY_MAP_NONE) input_push(&s->play->keys, &event);
+}
+
 static void take_input(session *s, const input_event *event)
 {
     if (s->pause.open) {
@@ -280,7 +316,7 @@ static void take_input(session *s, const input_event *event)
         open_pause(s);
     } else {
         if (event->kind == INPUT_KEY && event->down) handle_session_key(s, event->key);
-        input_push(&s->play->keys, event);
+        push_translated(s, *event);
     }
 }
 
@@ -497,6 +533,15 @@ static void grab_mouse(session *s, bool grab)
     s->grabbed = grab;
 }
 
+/* What gamepads are to do, once for each wish. */
+static void rumble(session *s)
+{
+    host *scripts = &s->play->scripts;
+    platform *screen = s->def->screen;
+    if (scripts->rumble_seconds > 0 && screen->rumble) screen->rumble(screen, scripts->rumble, scripts->rumble_seconds);
+    scripts->rumble_seconds = 0;
+}
+
 /* The game's last picture with the menu over it. No time passes. */
 static bool turn_paused(session *s, daft_error *error)
 {
@@ -534,6 +579,7 @@ static bool turn(session *s, daft_error *error)
     if (s->turns++ > 1) s->turn_ms = smooth(s->turn_ms, (double)elapsed / 1e6); /* the first turns have no interval */
     govern(s, (double)elapsed / 1e6);
     if (!run_updates(s, loop_advance(&s->clock, elapsed), error)) return false;
+    rumble(s);
     if (!atomic_load(&s->leaving) && (s->def->every_frame || screen->wants_frame(screen))) {
         if (!draw(s, loop_alpha(&s->clock), error) || !screen->present(screen, s->picture, error)) return false;
     }
@@ -583,6 +629,7 @@ static bool open_saves(session *s, daft_error *error)
     if (!s->own) return false;
     s->settings = settings_load(s->own), s->pause.settings = &s->settings;
     if (s->def->pauses) apply_settings(s);
+    load_keys(s);
     for (size_t i = 0; s->kept && i < s->replay.saved_count; i++)
         if (!saves_expect(s->kept, s->replay.saved[i].name, s->replay.saved[i].text, error)) return false;
     return s->kept != NULL;
@@ -615,6 +662,7 @@ static bool run(session *s, daft_error *error)
                      .trail = s->def->watches ? &s->past : NULL,
                      .history = s->history,
                      .saves = s->kept,
+                     .map = &s->keys,
                      .seconds = def->seconds,
                      .asked = asked,
                      .heard = s->sounds.writer || s->def->speaks ? heard : NULL,

@@ -69,25 +69,6 @@ void font_close(font *face)
     free(face);
 }
 
-/* The next code point, or 0 at the end. Each invalid byte gives U+FFFD. */
-static uint32_t next_code_point(const char **text)
-{
-    const unsigned char *at = (const unsigned char *)*text;
-    if (*at == 0) return 0;
-    int extra = *at < 0x80 ? 0 : (*at & 0xE0) == 0xC0 ? 1 : (*at & 0xF0) == 0xE0 ? 2 : (*at & 0xF8) == 0xF0 ? 3 : -1;
-    uint32_t code = extra <= 0 ? *at : *at & (0x3Fu >> extra);
-    for (int i = 1; i <= extra; i++) {
-        if ((at[i] & 0xC0) != 0x80)
-            extra = -1;
-        else
-            code = code << 6 | (at[i] & 0x3F);
-    }
-    static const uint32_t SMALLEST[] = {0, 0x80, 0x800, 0x10000}; /* of that many bytes: longer forms are none */
-    if (extra >= 0 && (code < SMALLEST[extra] || code > 0x10FFFF || (code >= 0xD800 && code < 0xE000))) extra = -1;
-    *text += extra < 0 ? 1 : extra + 1;
-    return extra < 0 ? 0xFFFD : code;
-}
-
 static float units_scale(const font *face, float size)
 {
     return size / (float)(face->file.ascent - face->file.descent);
@@ -144,9 +125,9 @@ static int advance(const font *face, uint32_t code, uint32_t next)
 static int line_advance(const font *face, const char *text, const char *end)
 {
     int width = 0;
-    uint32_t code = next_code_point(&text);
+    uint32_t code = utf8_next(&text);
     while (code && code != '\n' && text <= end) {
-        uint32_t next = next_code_point(&text);
+        uint32_t next = utf8_next(&text);
         width += advance(face, code, next);
         code = next;
     }
@@ -207,9 +188,9 @@ static void draw_line(const canvas *target, font *face, const char *text, const 
     for (int pass = style->shadow ? 0 : 1; pass < 2; pass++) {
         const char *at = text;
         int walked = 0;
-        uint32_t code = next_code_point(&at);
+        uint32_t code = utf8_next(&at);
         while (code && code != '\n' && at <= end && !canvas_stops(target)) {
-            uint32_t next = next_code_point(&at);
+            uint32_t next = utf8_next(&at);
             int offset = pass == 0 ? shadow : 0;
             draw_glyph(target, find_glyph(face, code, pixels), (int)floorf(pen + (float)walked * scale + 0.5f) + offset,
                        (int)floorf(base + 0.5f) + offset, pass == 0 ? dark : style->color);
@@ -235,10 +216,10 @@ static const char *break_line(const font *face, const char *text, float width, f
     const char *at = text, *here = text, *blank = NULL;
     bool after_word = false;
     int walked = 0;
-    uint32_t code = next_code_point(&at);
-    for (; code && code != '\n'; here = at, code = next_code_point(&at)) {
+    uint32_t code = utf8_next(&at);
+    for (; code && code != '\n'; here = at, code = utf8_next(&at)) {
         const char *ahead = at;
-        walked += advance(face, code, next_code_point(&ahead));
+        walked += advance(face, code, utf8_next(&ahead));
         if (code == ' ' && after_word) blank = here;
         after_word = code != ' ';
         if (after_word && here > text && (float)walked * scale > width) return blank ? blank : here;

@@ -15,7 +15,7 @@ static const api_area *const AREAS[] = {&api_entity,    &api_hierarchy, &api_tag
                                         &api_chance,    &api_particles, &api_picture,  &api_save,  &api_sound,
                                          &api_test};
 
-static const char *const CALLBACKS[] = {"load", "update", "draw", "keypressed", "keyreleased"};
+static const char *const CALLBACKS[] = {"load", "update", "draw", "keypressed", "keyreleased", "textinput"};
 static const char *const TYPES[API_TYPES] = {"entity", "light", "material", "mesh",  "joint",  "character", "picture",
                                              "sound",  "voice", "font",     "image", "stream", "particles"};
 
@@ -184,10 +184,11 @@ static int refuse(lua_State *L)
         return 0;
     }
     const char *near = nearest_name(name, CALLBACKS, COUNT_OF(CALLBACKS));
-    return luaL_error(L,
-                      near ? "daft calls no function '%s': did you mean '%s'?"
-                           : "daft calls no function '%s': it has load, update, draw, keypressed and keyreleased",
-                      name, near);
+    return luaL_error(
+        L,
+        near ? "daft calls no function '%s': did you mean '%s'?"
+             : "daft calls no function '%s': it has load, update, draw, keypressed, keyreleased and textinput",
+        name, near);
 }
 
 /* Gives the table on top a metatable that knows its path. */

@@ -486,6 +486,13 @@ bool host_key(host *state, int key, bool down)
     return call(state, "daft.keyreleased", (request){.callback = "keyreleased", .key = name});
 }
 
+bool host_typed(host *state, int code)
+{
+    char letter[5];
+    utf8_put((uint32_t)code, letter);
+    return call(state, "daft.textinput", (request){.callback = "textinput", .key = letter});
+}
+
 static bool drawing_stops(void *user) { return host_stopping(user); }
 
 float host_width(const host *state)

@@ -1,6 +1,7 @@
 /* host: one Lua 5.4 state that runs one game: its files, its callbacks, its errors.
  *
- * The game may set daft.load(), daft.update(dt), daft.draw(), daft.keypressed(key) and daft.keyreleased(key).
+ * The game may set daft.load(), daft.update(dt), daft.draw(), daft.keypressed(key), daft.keyreleased(key) and
+ * daft.textinput(letter).
  * It runs in a sandbox in which the same input gives the same game everywhere: no clock, no files, no addresses; random
  * numbers from a seed; pairs() in a fixed order; sin and its kin from libdaft and not from libm.
  *
@@ -12,7 +13,7 @@
 
 #include "hud/canvas.h"
 #include "files/home.h"
-#include "platform/input.h"
+#include "platform/actions.h"
 #include "lua/failure.h"
 #include "lua/watchdog.h"
 #include "sound/sound.h"
@@ -40,6 +41,7 @@ typedef struct host_def {
     daft_engine *engine;
     daft_scene *scene;
     input *keys;
+    const key_map *map; /* the player's keys, to show them; or NULL */
     font *face;
     saves *saves; /* what the game keeps: files/saves.h */
     uint64_t seed;
@@ -56,14 +58,17 @@ typedef struct host {
     random_state random;      /* of the game */
     random_state draw_random; /* of daft.draw, which must not change what the game does */
     uint64_t tick;
-    double clock;                /* ticks of the game's time so far: each counts as much as its scale says */
-    double scale, next_scale;    /* of this tick, and from the next one on: daft.time_scale */
-    bool still;                  /* the tick before did not step the simulation: nothing happened in it */
-    uint32_t streams;            /* of random numbers, made so far */
-    canvas *picture;             /* while daft.draw runs */
-    canvas_marks texts;          /* where its texts are */
-    bool replaying;              /* daft.input.set does nothing: the recording has what it did */
-    bool quit, restart, grab;    /* wishes of the script */
+    double clock;                   /* ticks of the game's time so far: each counts as much as its scale says */
+    double scale, next_scale;       /* of this tick, and from the next one on: daft.time_scale */
+    bool still;                     /* the tick before did not step the simulation: nothing happened in it */
+    uint32_t streams;               /* of random numbers, made so far */
+    canvas *picture;                /* while daft.draw runs */
+    canvas_marks texts;             /* where its texts are */
+    bool replaying;                 /* daft.input.set does nothing: the recording has what it did */
+    bool quit, restart, grab, text; /* wishes of the script; text: to hear of letters that are typed */
+    float rumble;                   /* 0 to 1, */
+    double rumble_seconds;          /* for so long, from now; 0: nothing is new */
+    actions actions;
     double target_ms;            /* that a frame may take; 0: any; below 0: the script has not said */
     const api_function *calling; /* the binding that runs, for messages */
     const char *callback;        /* the callback that runs, for messages */
@@ -112,6 +117,7 @@ bool host_update(host *state, double dt);
 /* After them, and after the simulation's step, where there was one. */
 void host_end_tick(host *state);
 bool host_key(host *state, int key, bool down);
+bool host_typed(host *state, int code);
 bool host_draw(host *state, const canvas *picture);
 /* Around drawing the scene: what daft.particles made is seen from this camera, `ahead` seconds of the game after the
  * last tick, and is not there for anybody else. */

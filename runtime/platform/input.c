@@ -102,7 +102,13 @@ void input_begin_tick(input *state)
     memset(state->pressed, 0, sizeof state->pressed);
     memset(state->released, 0, sizeof state->released);
     state->wheel_x = state->wheel_y = state->motion_x = state->motion_y = 0;
+    memcpy(state->stick_before, state->stick, sizeof state->stick);
     state->applied_count = 0;
+}
+
+bool input_is_text(int code)
+{
+    return code >= 0x20 && code != 0x7F && code <= 0x10FFFF && (code < 0xD800 || code > 0xDFFF);
 }
 
 /* Changes the state; false when nothing changed. */
@@ -132,6 +138,7 @@ static bool change_state(input *state, const input_event *event)
         if (!(event->x > 0) || !isfinite(event->x) || event->x == state->width) return false;
         state->width = event->x;
         return true;
+    case INPUT_TEXT: return input_is_text(event->key);
     case INPUT_WHEEL:
         if (moves) state->wheel_x += event->x, state->wheel_y += event->y;
         return moves;

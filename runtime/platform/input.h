@@ -24,11 +24,19 @@ const char *const *input_key_names(size_t *count);
 int input_stick_find(const char *name);
 const char *const *input_stick_names(size_t *count);
 
-typedef enum input_kind { INPUT_KEY, INPUT_MOVE, INPUT_MOTION, INPUT_WHEEL, INPUT_STICK, INPUT_WIDTH } input_kind;
+typedef enum input_kind {
+    INPUT_KEY,
+    INPUT_MOVE,
+    INPUT_MOTION,
+    INPUT_WHEEL,
+    INPUT_STICK,
+    INPUT_WIDTH,
+    INPUT_TEXT
+} input_kind;
 
 typedef struct input_event {
     input_kind kind;
-    int key;   /* INPUT_KEY, INPUT_STICK */
+    int key;   /* INPUT_KEY, INPUT_STICK; INPUT_TEXT: the code point of a letter that was typed */
     bool down; /* INPUT_KEY */
     /* INPUT_MOVE: HUD units from the top left; INPUT_MOTION: HUD units right and down, while the mouse is grabbed;
      * INPUT_WHEEL: notches, right and up positive; INPUT_STICK: x alone, -1 to 1, right and down positive; INPUT_WIDTH:
@@ -38,13 +46,17 @@ typedef struct input_event {
 
 typedef struct input {
     bool down[INPUT_KEYS], pressed[INPUT_KEYS], released[INPUT_KEYS];
-    float mouse_x, mouse_y, motion_x, motion_y, wheel_x, wheel_y, stick[INPUT_STICKS];
-    float width;                    /* of the picture, in HUD units */
-    input_event queue[INPUT_QUEUE]; /* for the next tick */
+    float mouse_x, mouse_y, motion_x, motion_y, wheel_x, wheel_y;
+    float stick[INPUT_STICKS], stick_before[INPUT_STICKS]; /* now, and as the tick began */
+    float width;                                           /* of the picture, in HUD units */
+    input_event queue[INPUT_QUEUE];                        /* for the next tick */
     size_t queued;
     input_event applied[INPUT_QUEUE]; /* the events that changed the state in this tick, in order */
     size_t applied_count;
 } input;
+
+/* A code point that can be typed: no control character, no half of a pair. */
+bool input_is_text(int code);
 
 /* Queues an event. Consecutive mouse positions and motions coalesce; a full queue drops the event. */
 void input_push(input *state, const input_event *event);

@@ -1,6 +1,7 @@
 /* platform: a window with its events and clock (sdl.c), or none (null.c), behind one table of functions; the state of
  * keys and mouse (input.h); the loudspeaker and sound files (audio.h); and what the process gives away once the window
- * is open (seal.h). Headless is a back end, not an `if`. Public headers: platform.h input.h audio.h seal.h editor.h */
+ * is open (seal.h). Headless is a back end, not an `if`. Public headers: platform.h input.h actions.h audio.h seal.h
+ * editor.h */
 #ifndef RUNTIME_PLATFORM_PLATFORM_H
 #define RUNTIME_PLATFORM_PLATFORM_H
 
@@ -37,6 +38,7 @@ struct platform {
     bool (*copy)(platform *self, const char *text); /* to the clipboard; NULL: there is none */
     /* 1 or 0: the window fills the screen from now on, or not; -1: only asks. Whether it does. NULL: it never does. */
     bool (*full_screen)(platform *self, int wish);
+    void (*rumble)(platform *self, float strength, double seconds); /* of gamepads, 0 to 1; NULL: none can */
     void (*grab_mouse)(platform *self, bool grab); /* hides and confines the mouse; events become relative motions */
     /* The window goes from sight. From any thread once leave_waits was true. */
     void (*hide)(platform *self);

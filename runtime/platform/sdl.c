@@ -21,7 +21,9 @@ typedef struct sdl_platform {
     pthread_mutex_t lock; /* around every use of SDL: leave_waits_sdl comes from another thread */
     SDL_GameController *pads[4];
     bool vsync, grabbed;
-    bool any_thread; /* this display's events may be fetched on any thread, one at a time */
+    char typed[SDL_TEXTINPUTEVENT_TEXT_SIZE]; /* letters that are still to be told, from */
+    const char *typed_next;                   /* here on; NULL: none */
+    bool any_thread;                          /* this display's events may be fetched on any thread, one at a time */
     uint64_t last_frame_ns;
 } sdl_platform;
 
@@ -191,8 +193,22 @@ static bool drop_event(const SDL_DropEvent *event, platform_event *out)
     return length > 0 && (size_t)length < sizeof out->path;
 }
 
+/* One letter of those that came together. */
+static bool typed_event(sdl_platform *sdl, input_event *out)
+{
+    while (sdl->typed_next) {
+        const uint32_t code = utf8_next(&sdl->typed_next);
+        if (code == 0) sdl->typed_next = NULL;
+        *out = (input_event){.kind = INPUT_TEXT, .key = (int)code};
+        if (input_is_text(out->key) && code != 0xFFFD) return true;
+    }
+    return false;
+}
+
 static bool next_event(sdl_platform *sdl, platform_event *out)
 {
+    out->kind = PLATFORM_INPUT;
+    if (typed_event(sdl, &out->input)) return true;
     for (SDL_Event event; SDL_PollEvent(&event);) {
         out->kind = PLATFORM_INPUT;
         switch (event.type) {
@@ -204,6 +220,11 @@ static bool next_event(sdl_platform *sdl, platform_event *out)
         case SDL_KEYDOWN:
         case SDL_KEYUP:
             if (key_event(sdl, &event.key, &out->input)) return true;
+            break;
+        case SDL_TEXTINPUT:
+            memcpy(sdl->typed, event.text.text, sizeof sdl->typed);
+            sdl->typed[sizeof sdl->typed - 1] = 0, sdl->typed_next = sdl->typed;
+            if (typed_event(sdl, &out->input)) return true;
             break;
         case SDL_MOUSEMOTION:
         case SDL_MOUSEWHEEL:
@@ -335,6 +356,15 @@ static bool copy_sdl(platform *self, const char *text)
     return good;
 }
 
+static void rumble_sdl(platform *self, float strength, double seconds)
+{
+    sdl_platform *sdl = lock(self);
+    const Uint16 force = (Uint16)(strength * 65535);
+    for (size_t i = 0; i < COUNT_OF(sdl->pads); i++)
+        if (sdl->pads[i]) SDL_GameControllerRumble(sdl->pads[i], force, force, (Uint32)(seconds * 1000));
+    unlock(sdl);
+}
+
 static void grab_sdl(platform *self, bool grab)
 {
     sdl_platform *sdl = lock(self);
@@ -399,6 +429,7 @@ platform *platform_open_sdl(const char *title, int width, int height, daft_error
                            .set_title = set_title_sdl,
                            .copy = copy_sdl,
                            .full_screen = full_screen_sdl,
+                           .rumble = rumble_sdl,
                            .grab_mouse = grab_sdl,
                            .hide = hide_sdl,
                            .leave_waits = leave_waits_sdl};

@@ -143,7 +143,7 @@ static const api_function FUNCTIONS[] = {
     {"text_width", "(string [, size [, font]]) -> number", "Of the widest line.", width_of_text, 0},
     {"text_height", "(string, width [, size [, font]]) -> number", "Of the lines that it is broken into.",
      height_of_text, 0},
-    {"width", "() -> number", "The picture is 720 units high and as wide as its shape makes it.", width, 0},
+    {"width", "() -> number", "The picture is 720 units high and as wide as its shape makes it. Recorded.", width, 0},
     {"height", "() -> 720", "The picture's height in units.", height, 0},
 };
 

@@ -4,16 +4,105 @@
 #include "common/util.h"
 
 #include <stdio.h>
+#include <string.h>
 
-static int push_state(lua_State *L, host *h, const bool *states)
+/* The key that is named, or, with `what` set, the action. */
+static int key_or_action(lua_State *L, host *h, const action **what)
 {
-    lua_pushboolean(L, states[api_key(L, h, 1, "key")]);
+    *what = lua_type(L, 1) == LUA_TSTRING ? actions_find(&h->actions, lua_tostring(L, 1)) : NULL;
+    return *what ? -1 : api_key(L, h, 1, "key");
+}
+
+static int push_state(lua_State *L, host *h, const bool *states, bool (*of_action)(const action *, const input *))
+{
+    const action *what;
+    const int key = key_or_action(L, h, &what);
+    lua_pushboolean(L, what ? of_action(what, h->def.keys) : states[key]);
     return 1;
 }
 
-static int down(lua_State *L, host *h) { return push_state(L, h, h->def.keys->down); }
-static int pressed(lua_State *L, host *h) { return push_state(L, h, h->def.keys->pressed); }
-static int released(lua_State *L, host *h) { return push_state(L, h, h->def.keys->released); }
+static int down(lua_State *L, host *h) { return push_state(L, h, h->def.keys->down, action_down); }
+static int pressed(lua_State *L, host *h) { return push_state(L, h, h->def.keys->pressed, action_pressed); }
+static int released(lua_State *L, host *h) { return push_state(L, h, h->def.keys->released, action_released); }
+
+/* ---- actions ---- */
+
+static void read_input(lua_State *L, host *h, int index, action_input *out)
+{
+    const char *text = api_text(L, h, index, "input");
+    if (action_input_parse(text, out)) return;
+    size_t keys, sticks;
+    const char *const *key_names = input_key_names(&keys), *const *stick_names = input_stick_names(&sticks);
+    const char *bare = text + (text[0] == '+' || text[0] == '-'), *near = nearest_name(bare, key_names, keys);
+    if (!near) near = nearest_name(bare, stick_names, sticks);
+    if (near) api_error(L, h, "there is no key or stick '%.40s': did you mean '%s'?", text, near);
+    api_error(L, h, "there is no key or stick '%.40s': as in \"space\", \"-left\", \"left x\", \"pad a\"", text);
+}
+
+static int bind(lua_State *L, host *h)
+{
+    const char *name = api_text(L, h, 1, "action");
+    const int count = lua_gettop(L) - 1;
+    action made = {.count = count};
+    if (input_key_find(name) >= 0) api_error(L, h, "'%s' is a key: an action needs a name of its own", name);
+    if (!name[0] || strlen(name) >= ACTION_NAME)
+        api_error(L, h, "a name of 1 to %d bytes expected, got %d", ACTION_NAME - 1, (int)strlen(name));
+    if (count < 1 || count > ACTION_INPUTS)
+        api_error(L, h, "1 to %d inputs expected, got %d", (int)ACTION_INPUTS, count);
+    for (int i = 0; i < count; i++) read_input(L, h, 2 + i, &made.inputs[i]);
+    action *place = actions_set(&h->actions, name);
+    if (!place) api_error(L, h, "a game has %d actions at most", (int)ACTIONS);
+    memcpy(place->inputs, made.inputs, sizeof made.inputs);
+    place->count = count;
+    return 0;
+}
+
+static const action *check_action(lua_State *L, host *h)
+{
+    const char *names[ACTIONS], *name = api_text(L, h, 1, "action");
+    const action *found = actions_find(&h->actions, name);
+    if (found) return found;
+    for (int i = 0; i < h->actions.count; i++) names[i] = h->actions.list[i].name;
+    const char *near = nearest_name(name, names, (size_t)h->actions.count);
+    if (near) api_error(L, h, "there is no action '%.40s': did you mean '%s'?", name, near);
+    api_error(L, h, "there is no action '%.40s': daft.input.bind makes one", name);
+}
+
+static int value_of_action(lua_State *L, host *h)
+{
+    lua_pushnumber(L, (double)action_value(check_action(L, h), h->def.keys));
+    return 1;
+}
+
+/* The player's key for the first of the action's that is one. */
+static int key_of_action(lua_State *L, host *h)
+{
+    const action *a = check_action(L, h);
+    for (int i = 0; i < a->count; i++) {
+        const int key = a->inputs[i].index, shown = h->def.map ? key_map_shown(h->def.map, key) : key;
+        if (a->inputs[i].stick || shown < 0) continue;
+        lua_pushstring(L, input_key_name(shown));
+        return 1;
+    }
+    return 0;
+}
+
+/* ---- the rest ---- */
+
+static int text(lua_State *L, host *h)
+{
+    h->text = api_boolean(L, h, 1, "on");
+    return 0;
+}
+
+static int rumble(lua_State *L, host *h)
+{
+    const double strength = api_number(L, h, 1, "strength"), seconds = api_number(L, h, 2, "seconds");
+    if (strength < 0 || strength > 1) api_wrong(L, h, 1, "strength", "number from 0 to 1");
+    if (!(seconds > 0) || seconds > 10) api_wrong(L, h, 2, "seconds", "number above 0, up to 10");
+    h->rumble = (float)strength, h->rumble_seconds = seconds;
+    return 0;
+}
 
 static int axis(lua_State *L, host *h)
 {
@@ -91,6 +180,19 @@ static const api_function FUNCTIONS[] = {
      down, 0},
     {"input.pressed", "(key) -> boolean", "It went down in this tick.", pressed, 0},
     {"input.released", "(key) -> boolean", "It went up in this tick.", released, 0},
+    {"input.bind", "(action, input, ...)",
+     "Names what the player does, by up to 8 keys, buttons and sticks: daft.input.bind(\"walk\", \"right\", "
+     "\"-left\",\n"
+     "\"left x\"). A key counts as 1, with a minus before it as -1; of a stick, \"+left x\" is the right half. down,\n"
+     "pressed and released take an action's name too. The pause menu lets players choose other keys.",
+     bind, API_CHANGES},
+    {"input.action", "(action) -> number", "The sum of its inputs, -1 to 1.", value_of_action, 0},
+    {"input.key_of", "(action) -> key or nil",
+     "The player's key for it, to be shown: it differs from player to player, so only within daft.draw.", key_of_action,
+     API_DRAWS},
+    {"input.text", "(on)", "daft.textinput(letter) hears of each letter that is typed, as UTF-8. It is recorded.", text,
+     API_CHANGES},
+    {"input.rumble", "(strength, seconds)", "Shakes the gamepads: 0 to 1, up to 10 seconds.", rumble, API_CHANGES},
     {"input.axis", "(negative, positive) -> -1, 0 or 1", "Two keys as an axis.", axis, 0},
     {"input.stick", "(name) -> number",
      "A gamepad's: \"left x\", \"left y\", \"right x\", \"right y\", -1 to 1, right and down positive; \"left "

@@ -1,6 +1,7 @@
 /* runtime: input between ticks, and recordings: what is written reads back the same, and bad files say where. */
 #include "platform/input.h"
 #include "game/recording.h"
+#include "platform/actions.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -244,6 +245,92 @@ static void a_killed_game_loses_no_recording(void **unused)
     unlink(old);
 }
 
+static void letters_and_widths_are_recorded(void **unused)
+{
+    (void)unused;
+    daft_error error;
+    const input_event events[] = {
+        {.kind = INPUT_TEXT, .key = 0xe4}, {.kind = INPUT_TEXT, .key = 0x1f600}, {.kind = INPUT_WIDTH, .x = 960.1f}};
+    recorder *writer = recorder_open(temporary(), "some game", "", 1, &error);
+    assert_non_null(writer);
+    recorder_tick(writer, 0, events, 3);
+    assert_true(recorder_finish(writer, &error));
+    recorder_free(writer);
+    recording record;
+    assert_true(recording_load(&record, NULL, temporary(), &error));
+    assert_int_equal(record.count, 3);
+    for (int i = 0; i < 3; i++) assert_int_equal(record.items[i].event.kind, events[i].kind);
+    assert_true(record.items[1].event.key == 0x1f600 && record.items[2].event.x == 960.1f);
+    input keys = {0};
+    recording_play(&record, 0, &keys);
+    assert_true(keys.width == 960.1f && keys.applied_count == 3);
+    input_apply(&keys, &(input_event){.kind = INPUT_TEXT, .key = 0xd800});
+    input_apply(&keys, &(input_event){.kind = INPUT_WIDTH, .x = 960.1f});
+    assert_int_equal(keys.applied_count, 3); /* no letter; nothing new */
+    recording_free(&record);
+}
+
+static void actions_sum_their_inputs(void **unused)
+{
+    (void)unused;
+    static actions all;
+    static input keys;
+    action_input in;
+    assert_true(action_input_parse("-", &in) && !in.stick && in.sign == 1); /* the key */
+    assert_false(action_input_parse("--left x", &in));
+    action *walk = actions_set(&all, "walk");
+    const char *const inputs[] = {"d", "-a", "left x", "+right y"};
+    for (int i = 0; i < 4; i++) assert_true(action_input_parse(inputs[i], &walk->inputs[walk->count++]));
+    assert_true(actions_find(&all, "walk") == walk && !actions_find(&all, "run"));
+    input_begin_tick(&keys);
+    input_apply(&keys, &(input_event){.kind = INPUT_KEY, .key = key("a"), .down = true});
+    assert_true(action_value(walk, &keys) == -1 && action_pressed(walk, &keys));
+    input_begin_tick(&keys);
+    input_apply(&keys, &(input_event){.kind = INPUT_STICK, .key = input_stick_find("left x"), .x = 0.25f});
+    assert_true(action_value(walk, &keys) == -0.75f && action_down(walk, &keys) && !action_pressed(walk, &keys));
+    input_begin_tick(&keys);
+    input_apply(&keys, &(input_event){.kind = INPUT_KEY, .key = key("a"), .down = false});
+    assert_true(action_value(walk, &keys) == 0.25f && action_released(walk, &keys) && !action_down(walk, &keys));
+    input_begin_tick(&keys);
+    input_apply(&keys, &(input_event){.kind = INPUT_STICK, .key = input_stick_find("right y"), .x = -1});
+    assert_true(action_value(walk, &keys) == 0.25f); /* the other half */
+    input_apply(&keys, &(input_event){.kind = INPUT_STICK, .key = input_stick_find("right y"), .x = 1});
+    assert_true(action_value(walk, &keys) == 1 && action_pressed(walk, &keys));
+    char name[8];
+    for (int i = 1; i < ACTIONS; i++) assert_non_null(actions_set(&all, (snprintf(name, sizeof name, "a%d", i), name)));
+    assert_null(actions_set(&all, "one more"));
+    assert_ptr_equal(actions_set(&all, "walk"), walk);
+}
+
+static void keys_of_the_player_stand_for_keys_of_the_game(void **unused)
+{
+    (void)unused;
+    key_map map, again;
+    char text[KEY_MAP_TEXT];
+    key_map_reset(&map);
+    key_map_set(&map, key("space"), key("j"));
+    assert_true(map.to[key("j")] == key("space") && map.to[key("space")] == KEY_MAP_NONE &&
+                map.to[key("a")] == key("a"));
+    assert_int_equal(key_map_shown(&map, key("space")), key("j"));
+    assert_int_equal(key_map_shown(&map, key("j")), -1);
+    key_map_set(&map, key("left"), key(","));
+    key_map_write(&map, text);
+    assert_null(strchr(text, '\n'));
+    key_map_read(&again, text);
+    assert_memory_equal(&map, &again, sizeof map);
+    /* Every key another one still fits; what is no map changes nothing. */
+    for (int i = 0; input_key_name(i); i++) map.to[i] = (uint8_t)(i ? i - 1 : KEY_MAP_NONE);
+    key_map_write(&map, text);
+    key_map_read(&again, text);
+    assert_memory_equal(&map, &again, sizeof map);
+    static const char *const bad[] = {"x", "space\t", "space\tnokey\t", "\tspace\t", "no\ta\t"};
+    key_map_reset(&map);
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        key_map_read(&again, bad[i]);
+        assert_memory_equal(&map, &again, sizeof map);
+    }
+}
+
 /* The tick that was given this input did not come to its end: its replay gets there too. */
 static void a_recording_holds_the_tick_that_failed(void **unused)
 {
@@ -272,7 +359,7 @@ static void bad_files_say_where(void **unused)
         const char *message;
     } bad[] = {
         {"", 1, 1, "not a recording"},
-        {"daft-recording 4\nend 1\n", 1, 16, "not a recording of this version"},
+        {"daft-recording 5\nend 1\n", 1, 16, "not a recording of this version"},
         {"daft-recording 3\nsaved ../x {}\nend 1\n", 2, 7, "the name of what a game saved"},
         {"daft-recording 3\nsaved\nend 1\n", 2, 6, "the name of what a game saved"},
         {"daft-recording 2\ntick 60\ntick 59\nend 60\n", 3, 8, "must not go back"},
@@ -284,7 +371,9 @@ static void bad_files_say_where(void **unused)
         {"daft-recording 1\nseed x\nend 1\n", 2, 6, "whole number"},
         {"daft-recording 1\n5 +left\n4 -left\nend 9\n", 3, 3, "must not go back"},
         {"daft-recording 1\n5 +lefft\nend 9\n", 2, 4, "did you mean 'left'?"},
-        {"daft-recording 1\n5 left\nend 9\n", 2, 3, "+key, -key, mouse, motion, wheel, stick or width"},
+        {"daft-recording 1\n5 left\nend 9\n", 2, 3, "+key, -key, mouse, motion, wheel, stick, width or text"},
+        {"daft-recording 4\n5 text d800\nend 9\n", 2, 8, "the code point of a letter"},
+        {"daft-recording 4\n5 text 7\nend 9\n", 2, 8, "the code point of a letter"},
         {"daft-recording 1\n5 mouse 1\nend 9\n", 2, 10, "a number expected"},
         {"daft-recording 1\n5 mouse 1 nan\nend 9\n", 2, 11, "a number expected"},
         {"daft-recording 1\n5 width wide\nend 9\n", 2, 9, "a number expected"},
@@ -348,6 +437,9 @@ int main(void)
                                        cmocka_unit_test(playing_gives_each_tick_its_events),
                                        cmocka_unit_test(a_cut_recording_plays_to_its_last_second),
                                        cmocka_unit_test(a_killed_game_loses_no_recording),
+                                       cmocka_unit_test(letters_and_widths_are_recorded),
+                                       cmocka_unit_test(actions_sum_their_inputs),
+                                       cmocka_unit_test(keys_of_the_player_stand_for_keys_of_the_game),
                                        cmocka_unit_test(a_recording_holds_the_tick_that_failed),
                                        cmocka_unit_test(bad_files_say_where),
                                        cmocka_unit_test(random_bytes_do_no_harm)};

@@ -42,6 +42,13 @@ static void tasks_wait_for_their_ticks(void **unused)
 static void the_world_does_what_it_says(void **unused) { (void)unused, play_through("world", 13); }
 static void time_goes_slowly_and_stands_still(void **unused) { (void)unused, play_through("slow", 150); }
 static void the_library_works(void **unused) { (void)unused, play_through("library", 210); }
+static void actions_are_keys_and_sticks(void **unused) { (void)unused, play_through("actions", 60); }
+static void menus_go_by_keys(void **unused)
+{
+    (void)unused;
+    play_through("menus", 100);
+    assert_says(output, "tick 81 "); /* daft.quit ended it there */
+}
 static void nonsense_never_crashes(void **unused) { (void)unused, play_through("nonsense", 10); }
 
 static void the_games_of_the_design_and_of_the_house_play(void **unused)
@@ -293,6 +300,8 @@ int main(void)
                                        cmocka_unit_test(the_world_does_what_it_says),
                                        cmocka_unit_test(time_goes_slowly_and_stands_still),
                                        cmocka_unit_test(the_library_works),
+                                       cmocka_unit_test(actions_are_keys_and_sticks),
+                                       cmocka_unit_test(menus_go_by_keys),
                                        cmocka_unit_test(tasks_wait_for_their_ticks),
                                        cmocka_unit_test(nonsense_never_crashes),
                                        cmocka_unit_test(the_games_of_the_design_and_of_the_house_play),

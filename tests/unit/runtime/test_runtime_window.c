@@ -1,5 +1,6 @@
 /* runtime: a session and the menu on a platform made for tests: keys and clicks come from a list, a frame is 1/60 s. */
 #include "cli/commands.h"
+#include "common/util.h"
 #include "game/loop.h"
 #include "game/menu.h"
 #include "game/session.h"
@@ -23,7 +24,8 @@
 
 typedef struct happening {
     uint64_t frame;
-    const char *key; /* "+left", "-left", "focus", "close", "click" at x, y, "size" x by y, or "write " and a script */
+    const char *key; /* "+left", "-left", "focus", "close", "click" at x, y, "size" x by y, "text " and a letter, or
+                        "write " and a script */
     float x, y;
 } happening;
 
@@ -78,6 +80,9 @@ static bool poll_script(platform *self, platform_event *out)
     } else if (strcmp(now->key, "click") == 0) {
         out->input = (input_event){.kind = INPUT_MOVE, .x = now->x, .y = now->y};
         p->click = true;
+    } else if (strncmp(now->key, "text ", 5) == 0) {
+        const char *letter = now->key + 5;
+        out->input = (input_event){.kind = INPUT_TEXT, .key = (int)utf8_next(&letter)};
     } else if (strcmp(now->key, "size") == 0) {
         p->width = (int)now->x, p->height = (int)now->y;
         return poll_script(self, out);
@@ -334,6 +339,56 @@ static void settings_last(void **unused)
     PLAY(again);
     play_and_pause();
     count_lines(path, "pace 4 volume 8 full_screen 0", &count);
+    assert_int_equal(count, 1);
+    drop_folder();
+}
+
+/* The game binds "jump" to Space; the player wants J for it, which the recording knows nothing of. */
+static void other_keys_are_chosen_in_the_menu(void **unused)
+{
+    (void)unused;
+    int count;
+    make_folder();
+    const happening script[] = {{3, "text a", 0, 0},
+                                {4, "+escape", 0, 0},
+                                {5, "+down", 0, 0},
+                                {6, "+down", 0, 0},
+                                {7, "+down", 0, 0},
+                                {8, "+down", 0, 0},
+                                {9, "+return", 0, 0},
+                                {10, "+return", 0, 0},
+                                {11, "+f1", 0, 0},
+                                {12, "+j", 0, 0},
+                                {13, "+escape", 0, 0},
+                                {14, "+escape", 0, 0},
+                                {20, "+j", 0, 0},
+                                {22, "-j", 0, 0},
+                                {24, "+space", 0, 0},
+                                {26, "-space", 0, 0},
+                                {30, "text \xc3\xa4", 0, 0},
+                                {40, "close", 0, 0}};
+    PLAY(script);
+    s.def.pauses = true, s.def.record = recorded, s.def.settings = folder;
+    assert_int_equal(play("actions"), SESSION_CLOSED);
+    tear_down();
+    count_lines(recorded, "+space", &count);
+    assert_int_equal(count, 1);
+    count_lines(recorded, "+j", &count);
+    assert_int_equal(count, 0);
+    count_lines(recorded, "text 00e4", &count);
+    assert_int_equal(count, 1);
+    /* It lasts; and all is as at first again by the last row but one. */
+    const happening again[] = {{10, "+j", 0, 0},      {12, "-j", 0, 0},    {14, "+escape", 0, 0}, {15, "+down", 0, 0},
+                               {16, "+down", 0, 0},   {17, "+down", 0, 0}, {18, "+down", 0, 0},   {19, "+return", 0, 0},
+                               {20, "+up", 0, 0},     {21, "+up", 0, 0},   {22, "+return", 0, 0}, {23, "+escape", 0, 0},
+                               {24, "+escape", 0, 0}, {30, "+j", 0, 0},    {40, "close", 0, 0}};
+    PLAY(again);
+    s.def.pauses = true, s.def.record = recorded, s.def.settings = folder;
+    assert_int_equal(play("actions"), SESSION_CLOSED);
+    tear_down();
+    count_lines(recorded, "+space", &count);
+    assert_int_equal(count, 1);
+    count_lines(recorded, "+j", &count);
     assert_int_equal(count, 1);
     drop_folder();
 }
@@ -745,6 +800,7 @@ int main(void)
                                        cmocka_unit_test(the_pause_menu_shows_itself_and_goes_by_mouse),
                                        cmocka_unit_test(settings_last),
                                        cmocka_unit_test(starting_again_is_replayed),
+                                       cmocka_unit_test(other_keys_are_chosen_in_the_menu),
                                        cmocka_unit_test(saved_scripts_take_effect_while_the_game_runs),
                                        cmocka_unit_test(wrong_scripts_leave_the_old_ones_running),
                                        cmocka_unit_test(a_game_that_began_again_is_relived_from_there),
