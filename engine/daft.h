@@ -25,9 +25,9 @@
  * threads inside a call. Results do not depend on how many, bit for bit. Different engines are independent.
  *
  * Sections, each under a line of dashes: plain values; numbers; errors and warnings; files; engine; images; scenes
- * (assets, entities, joints, the simulation as a whole, camera and lights); time; rendering; ray queries; scans;
- * queries of bodies; characters; checking files; counters; and, as data, the fields of the structs that users fill
- * (daft_fields).
+ * (assets, entities, animation, joints, the simulation as a whole, camera and lights); time; rendering; ray queries;
+ * scans; queries of bodies; characters; checking files; counters; and, as data, the fields of the structs that users
+ * fill (daft_fields).
  */
 #ifndef DAFT_H
 #define DAFT_H
@@ -302,14 +302,16 @@ DAFT_API daft_mesh daft_mesh_create(daft_scene *scene, const daft_mesh_def *def,
 /* Moves a mesh's vertices: `count`, daft_mesh_info.vertex_count of them, positions that are all finite, and as many
  * normals, or NULL: smooth across edges flatter than 40 degrees, which takes longer than all the rest. Triangles,
  * texture coordinates and materials stay. The boxes of the BVH are fitted anew; once that has made rays 1.4 times as
- * costly as they were when it was built, it is built anew (Lauterbach et al., "RT-DEFORM", 2006). */
+ * costly as they were when it was built, it is built anew (Lauterbach et al., "RT-DEFORM", 2006). Fails for a mesh that
+ * has clips, which move it. */
 DAFT_API bool daft_mesh_set_positions(daft_scene *scene, daft_mesh mesh, const daft_vec3 *positions,
                                       const daft_vec3 *normals, uint32_t count, daft_error *error);
 
 typedef struct daft_mesh_info {
     uint32_t vertex_count, triangle_count, material_count;
-    daft_vec3 low, high; /* bounds in the mesh's own space */
-    size_t bytes;        /* of memory: vertices, attributes, indices and trees */
+    daft_vec3 low, high; /* bounds in the mesh's own space, at rest */
+    size_t bytes;        /* of memory: vertices, attributes, indices, trees and clips */
+    uint32_t clip_count;
 } daft_mesh_info;
 
 /* Fails for a null handle, as every call that takes one. */
@@ -562,6 +564,60 @@ typedef struct daft_event {
  * the caller goes through them. */
 DAFT_API uint32_t daft_scene_events(const daft_scene *scene, daft_event *out, uint32_t capacity);
 
+/* ---- scenes: animation ------------------------------------------------------------------------------------------- */
+
+/* Clips of a mesh's file: movements of its skeleton, its parts and its morph targets. An entity that plays none stands
+ * as the file has it. Clips advance with daft_scene_step; a picture shows the pose of its own time between two ticks
+ * (daft_view.alpha), rays meet that of the last tick. What is posed is drawn and hit by rays; bodies keep the mesh's
+ * shape at rest. A clip is not sampled where nothing that it reaches can be in the picture. */
+typedef struct daft_clip_info {
+    char name[128];
+    double duration;     /* seconds; 0: one pose */
+    daft_vec3 low, high; /* bounds, in the mesh's own space, of all that it reaches */
+} daft_clip_info;
+
+/* By its number, below daft_mesh_info.clip_count. */
+DAFT_API bool daft_mesh_get_clip(daft_scene *scene, daft_mesh mesh, uint32_t clip, daft_clip_info *out,
+                                 daft_error *error);
+/* The first of that name. The message of a failure lists those that there are. */
+DAFT_API bool daft_mesh_find_clip(const daft_scene *scene, daft_mesh mesh, const char *name, uint32_t *clip,
+                                  daft_error *error);
+
+/* The mesh that an entity shows. Fails for one that shows none. */
+DAFT_API bool daft_entity_get_mesh(daft_scene *scene, daft_entity entity, daft_mesh *out, daft_error *error);
+
+typedef struct daft_play_def {
+    uint32_t cookie;
+    uint32_t clip; /* number of one of the mesh's */
+    float speed;   /* 1: as it was made; below 0: backwards, from its end; -1000 to 1000 */
+    float blend;   /* seconds in which the clip that plays passes over into it; 0, or where none plays: at once */
+    float start;   /* seconds into the clip, from the end where speed is below 0 */
+    bool loop;     /* begins anew at its end; false: stays there */
+    bool restart;  /* a clip that plays already begins anew; false: it goes on, with this speed */
+} daft_play_def;
+
+DAFT_API daft_play_def daft_default_play_def(void); /* the first clip, looped, at once */
+/* Fails for an entity whose mesh has no such clip. */
+DAFT_API bool daft_entity_play(daft_scene *scene, daft_entity entity, const daft_play_def *def, daft_error *error);
+/* Back to rest, at once. Nothing happens where no clip plays. */
+DAFT_API bool daft_entity_stop(daft_scene *scene, daft_entity entity, daft_error *error);
+
+typedef struct daft_animation {
+    uint32_t clip; /* the one played last */
+    double time;   /* seconds into it */
+    float speed;
+    bool loop;
+    bool playing; /* false: it has come to its end */
+    float weight; /* 0..1: how far the pose has passed over into it */
+} daft_animation;
+
+/* False with error->code DAFT_OK: it plays none. */
+DAFT_API bool daft_entity_get_animation(daft_scene *scene, daft_entity entity, daft_animation *out, daft_error *error);
+/* Puts the clip that plays at a time: seconds, wrapped where it loops, else limited to the clip. Fails where none
+ * plays.
+ */
+DAFT_API bool daft_entity_set_animation_time(daft_scene *scene, daft_entity entity, double seconds, daft_error *error);
+
 /* ---- scenes: joints ---------------------------------------------------------------------------------------------- */
 
 typedef enum daft_joint_kind {
@@ -770,7 +826,7 @@ DAFT_API void daft_scene_set_gravity(daft_scene *scene, daft_vec3 gravity); /* m
  * seconds, above 0 and at most 1; always the same one for the same results. */
 DAFT_API void daft_scene_begin_tick(daft_scene *scene);
 DAFT_API bool daft_scene_step(daft_scene *scene, float dt, daft_error *error);
-/* 64 bits over every entity, body, light and the camera: equal states, equal hashes. */
+/* 64 bits over every entity and what it plays, body, light and the camera: equal states, equal hashes. */
 DAFT_API uint64_t daft_scene_hash(const daft_scene *scene);
 DAFT_API uint64_t daft_hash(const void *bytes, size_t size, uint64_t seed); /* FNV-1a */
 
@@ -1157,13 +1213,16 @@ typedef struct daft_counters {
     uint64_t shadow_points_kept; /* lit points under some occluder's bound: the only ones that cast a ray */
     uint64_t mesh_builds;        /* BVHs built since the scene was made */
     uint64_t mesh_refits;        /* BVHs fitted to moved vertices since the scene was made */
+    uint64_t poses;        /* clips sampled and skins moved, for pictures and for rays, since the scene was made */
+    uint64_t poses_unseen; /* poses that pictures went without: nothing that the clips reach was in sight */
     /* Frames, since the scene was made, that rebuilt the list of instances and the tree over it: none where nothing has
      * moved or looks different since the frame before, and the camera is where it was. */
     uint64_t instance_updates;
     daft_effect effects[DAFT_EFFECT_COUNT];
 } daft_counters;
 
-/* Of the last daft_render; query_rays, mesh_builds, mesh_refits and instance_updates since the scene was made. */
+/* Of the last daft_render; query_rays, mesh_builds, mesh_refits, poses, poses_unseen and instance_updates since
+ * the scene was made. */
 DAFT_API const daft_counters *daft_scene_counters(const daft_scene *scene);
 
 /* ---- the fields of the structs, as data ---------------------------------------------------------------------------- */
@@ -1188,6 +1247,7 @@ typedef enum daft_struct {
     DAFT_STRUCT_VOLUME,
     DAFT_STRUCT_SCAN_DEF,
     DAFT_STRUCT_CHARACTER_DEF,
+    DAFT_STRUCT_PLAY_DEF,
     DAFT_STRUCT_COUNTERS,
     DAFT_STRUCT_SIM_COUNTERS,
     DAFT_STRUCT_COUNT

@@ -28,6 +28,8 @@ daft_bvh *daft_bvh_build_mesh(const daft_allocator *allocator, const daft_trimes
 /* The mesh's vertices have moved, its triangles are the same: refits the boxes, or rebuilds the tree where its cost has
  * grown (then true). Cannot fail: without memory the fitted tree stays. */
 bool daft_bvh_update(daft_bvh *bvh, const daft_trimesh *mesh, const daft_bvh_def *def);
+/* Another of the same mesh, in memory of its own. NULL: memory is out. */
+daft_bvh *daft_bvh_copy(const daft_allocator *allocator, const daft_bvh *bvh);
 void daft_bvh_free(daft_bvh *bvh);
 size_t daft_bvh_bytes(const daft_bvh *bvh);
 

@@ -2,8 +2,9 @@
  * Promises: a mesh that stands has only finite positions, indices in range and no triangle with two equal corners;
  * triangles that share an edge in the file share its two vertex numbers here, whatever their normals and uvs do.
  *
- * Public headers: mesh.h. Inner headers: trimesh.h polygon.h.
- * formats/ reads OBJ and MTL files, foreign/ others; analysis/ computes smooth normals and finds problems. */
+ * Public headers: mesh.h rig.h. Inner headers: trimesh.h polygon.h.
+ * formats/ reads OBJ and MTL files, foreign/ others; analysis/ computes smooth normals and finds problems; rig/ moves
+ * vertices by skeletons. */
 #ifndef DAFT_GEOMETRY_H
 #define DAFT_GEOMETRY_H
 
@@ -86,8 +87,9 @@ daft_mtl daft_mtl_default(void);
 
 typedef struct daft_obj {
     daft_trimesh mesh;
-    daft_mtl_list slots; /* slot i of the mesh has the material slots.items[i] */
-    uint32_t *groups;    /* smoothing group of each triangle, for daft_obj_smooth; NULL: none, or no longer needed */
+    daft_mtl_list slots;  /* slot i of the mesh has the material slots.items[i] */
+    struct daft_rig *rig; /* what its clips move (rig.h); NULL: it has none */
+    uint32_t *groups;     /* smoothing group of each triangle, for daft_obj_smooth; NULL: none, or no longer needed */
 } daft_obj;
 
 /* daft_obj_load of a text that has been read, which it releases. */

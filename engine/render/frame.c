@@ -364,12 +364,12 @@ static void sum_effects(const daft_frame *frame, daft_counters *c, double since,
 /* Keeps what the caller counts across frames. */
 static void counters_begin(daft_counters *c, const daft_snapshot *s, const daft_renderer *r)
 {
-    const char *isa = c->isa;
-    uint64_t queries = c->query_rays, builds = c->mesh_builds, refits = c->mesh_refits, updates = c->instance_updates;
+    const daft_counters kept = *c;
     memset(c, 0, sizeof *c);
     c->width = s->width, c->height = s->height, c->threads = r->threads;
-    c->isa = isa, c->query_rays = queries, c->mesh_builds = builds, c->mesh_refits = refits,
-    c->instance_updates = updates;
+    c->isa = kept.isa, c->query_rays = kept.query_rays, c->mesh_builds = kept.mesh_builds;
+    c->mesh_refits = kept.mesh_refits, c->instance_updates = kept.instance_updates;
+    c->poses = kept.poses, c->poses_unseen = kept.poses_unseen;
 }
 
 static bool render(daft_frame *frame, daft_counters *counters, daft_error *error)

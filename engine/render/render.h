@@ -132,8 +132,8 @@ typedef struct daft_frame_target {
 
 daft_renderer *daft_renderer_create(const daft_allocator *allocator, int threads, int isa, daft_error *error);
 void daft_renderer_destroy(daft_renderer *renderer);
-/* counters: the renderer adds to nothing, it sets every field but query_rays, mesh_builds, mesh_refits,
- * instance_updates, threads and isa. */
+/* counters: the renderer adds to nothing, it sets every field but query_rays, mesh_builds, mesh_refits, poses,
+ * poses_unseen, instance_updates, threads and isa. */
 bool daft_render_frame(daft_renderer *renderer, const daft_snapshot *snapshot, const daft_frame_target *target,
                        daft_counters *counters, daft_error *error);
 

@@ -222,6 +222,7 @@ void daft_scene_destroy(daft_scene *scene)
     for (uint32_t i = 0; i < scene->entity_slots.count; i++)
         if (scene->entity_slots.items[i].live) daft_release(allocator, scene->entities[i].geometries);
     daft_geometries_free(scene);
+    while (scene->animated) daft_animated_free(scene, scene->animated);
     daft_frames_free(scene);
     daft_scaled_free(scene);
     daft_assets_free(scene);

@@ -168,6 +168,8 @@ static void remove_leaf(daft_scene *scene, uint32_t index)
     daft_entity_unlink(scene, item);
     daft_body_destroy(scene, index);
     if (item->box != DAFT_NONE) daft_box_drop(scene, item->box);
+    daft_animated_free(scene, item->animated);
+    item->animated = NULL;
     daft_slots_remove(&scene->entity_slots, index);
 }
 

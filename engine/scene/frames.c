@@ -6,6 +6,8 @@
  * atomic. */
 #include "scene/scene.h"
 
+#include <string.h>
+
 void daft_scene_touch(daft_scene *scene) { scene->revision = ++scene->engine->revision; }
 
 /* ---- what is let go of ---- */
@@ -46,12 +48,14 @@ void daft_retire(daft_scene *scene, daft_retired *item, void (*free)(const daft_
 /* ---- frames ---- */
 
 /* Whether the frame's instances are still right for the view. Tick and alpha count only where some entity is between
- * two poses. */
-static bool still_valid(const daft_scene *scene, const daft_scene_frame *f, const daft_view *view)
+ * two poses, what is in sight only where some is left out. */
+static bool still_valid(const daft_scene *scene, const daft_scene_frame *f, const daft_view *view,
+                        const daft_sight *sight)
 {
     daft_dvec3 origin = view->camera.position;
     bool still = f->still && scene->moved_tick != scene->tick;
-    return f->revision && f->revision == scene->revision && f->without == view->without &&
+    return f->posings == scene->posings && (f->unseen == 0 || memcmp(&f->sight, sight, sizeof *sight) == 0) &&
+           f->revision && f->revision == scene->revision && f->without == view->without &&
            f->kdtrees == daft_uses_kdtrees(scene, view) && f->origin.x == origin.x && f->origin.y == origin.y &&
            f->origin.z == origin.z && (still || (f->tick == scene->tick && f->alpha == view->alpha));
 }
@@ -71,12 +75,13 @@ static daft_scene_frame *frame_new(daft_scene *scene, daft_error *error)
 }
 
 /* A free frame, best one whose instances are still right. */
-static daft_scene_frame *frame_pick(daft_scene *scene, const daft_view *view, daft_error *error)
+static daft_scene_frame *frame_pick(daft_scene *scene, const daft_view *view, const daft_sight *sight,
+                                    daft_error *error)
 {
     daft_scene_frame *any = NULL;
     for (daft_scene_frame *f = scene->frames; f; f = f->next) {
         if (f->taken) continue;
-        if (still_valid(scene, f, view)) return f;
+        if (still_valid(scene, f, view, sight)) return f;
         any = f;
     }
     return any ? any : frame_new(scene, error);
@@ -96,28 +101,36 @@ static daft_surface strip(daft_surface surface, uint32_t without)
 }
 
 /* Instances, and with them what they index: surfaces and textures. */
-static bool frame_place(daft_scene *scene, daft_scene_frame *f, const daft_view *view, daft_error *error)
+static bool frame_place(daft_scene *scene, daft_scene_frame *f, const daft_view *view, const daft_sight *sight,
+                        daft_error *error)
 {
     daft_snapshot *s = &f->snapshot;
-    daft_instance *instances;
     const daft_assets *assets = &scene->assets;
-    if (still_valid(scene, f, view)) return true;
+    if (still_valid(scene, f, view, sight)) {
+        scene->counters.poses_unseen += f->unseen;
+        return true;
+    }
     f->revision = 0;
     daft_arena_reset(&f->instances);
-    if (!daft_snapshot_instances(scene, view->camera.position, view->alpha, daft_uses_kdtrees(scene, view),
-                                 &f->instances, &instances, &s->instance_count, error))
-        return false;
+    daft_listing listing = {.origin = view->camera.position,
+                            .alpha = view->alpha,
+                            .sight = sight,
+                            .kdtrees = daft_uses_kdtrees(scene, view),
+                            .arena = &f->instances};
+    if (!daft_snapshot_instances(scene, &listing, error)) return false;
     daft_surface *surfaces = daft_arena_alloc(&f->instances, assets->material_slots.count, sizeof *surfaces);
     daft_texture_data *textures = daft_arena_alloc(&f->instances, assets->texture_slots.count, sizeof *textures);
     if (!surfaces || !textures) return daft_fail_memory(error, "a snapshot's materials");
     for (uint32_t i = 0; i < assets->material_slots.count; i++) surfaces[i] = strip(assets->surfaces[i], view->without);
     for (uint32_t i = 0; i < assets->texture_slots.count; i++) textures[i] = assets->textures[i];
-    s->instances = instances;
+    s->instances = listing.instances, s->instance_count = listing.count;
     s->materials = surfaces, s->material_count = assets->material_slots.count;
     s->textures = textures, s->texture_count = assets->texture_slots.count;
     s->revision = ++scene->engine->revision;
     f->revision = scene->revision, f->tick = scene->tick, f->alpha = view->alpha, f->origin = view->camera.position;
     f->without = view->without, f->kdtrees = daft_uses_kdtrees(scene, view);
+    f->listing = scene->listings, f->posings = scene->posings, f->unseen = listing.unseen, f->sight = *sight;
+    scene->counters.poses_unseen += listing.unseen;
     f->still = scene->moved_tick != scene->tick;
     scene->counters.instance_updates++;
     return true;
@@ -126,8 +139,10 @@ static bool frame_place(daft_scene *scene, daft_scene_frame *f, const daft_view 
 daft_scene_frame *daft_frame_take(daft_scene *scene, const daft_view *view, int width, int height, daft_error *error)
 {
     if (!scene->revision) daft_scene_touch(scene); /* nothing has been put into it yet */
-    daft_scene_frame *f = frame_pick(scene, view, error);
-    if (!f || !frame_place(scene, f, view, error) || !daft_snapshot_fill(scene, view, width, height, f, error))
+    daft_sight sight;
+    daft_sight_make(scene, view, width, height, &sight);
+    daft_scene_frame *f = frame_pick(scene, view, &sight, error);
+    if (!f || !frame_place(scene, f, view, &sight, error) || !daft_snapshot_fill(scene, view, width, height, f, error))
         return NULL;
     if (!daft_history_take(view->history, scene, view, f, error)) return NULL;
     f->counters = scene->counters;
@@ -161,7 +176,7 @@ void daft_frame_release(daft_scene *scene, daft_scene_frame *frame)
 {
     daft_counters *c = &frame->counters, *all = &scene->counters;
     c->query_rays = all->query_rays, c->mesh_builds = all->mesh_builds, c->mesh_refits = all->mesh_refits;
-    c->instance_updates = all->instance_updates;
+    c->instance_updates = all->instance_updates, c->poses = all->poses, c->poses_unseen = all->poses_unseen;
     *all = *c;
     frame->taken = false;
     free_retired(scene);

@@ -21,6 +21,7 @@ uint64_t daft_scene_hash(const daft_scene *scene)
         uint32_t id = daft_slots_handle(&scene->entity_slots, i);
         HASH(id);
         hash = hash_entity(&scene->entities[i], hash);
+        hash = daft_animations_hash(scene, i, hash);
     }
     for (uint32_t i = 0; i < scene->light_slots.count; i++) {
         if (!scene->light_slots.items[i].live) continue;

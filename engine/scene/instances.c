@@ -83,13 +83,15 @@ typedef struct maker {
     daft_dvec3 origin;
     float alpha;
     bool kdtrees;
+    const daft_sight *sight; /* NULL: for rays */
     daft_arena *arena;
     const daft_accel_kernels *kernels;
     /* Material indices. `numbers`: 0, 1, 2, …, shared by the instances with one slot, which saves each a cache line of
      * its own. `repeated`: for a material that covers all slots of a mesh, its index as often as any mesh has slots. */
     const uint32_t *numbers, **repeated;
     uint32_t max_slots;
-    uint32_t count, *entities; /* those to show, by index */
+    uint32_t count, *entities;            /* those to show, by index */
+    uint32_t posed_count, *posed, unseen; /* those of them that play; those left out */
     daft_instance *instances;
     bool *fits; /* by instance */
 } maker;
@@ -111,13 +113,14 @@ static bool begin(maker *m)
     m->numbers = make_numbers(m->scene, m->arena);
     m->repeated = daft_arena_alloc(m->arena, materials, sizeof *m->repeated);
     m->entities = daft_arena_alloc(m->arena, max, sizeof *m->entities);
+    m->posed = daft_arena_alloc(m->arena, m->scene->animated ? max : 1, sizeof *m->posed);
     m->instances = daft_arena_alloc(m->arena, max, sizeof *m->instances);
     m->fits = daft_arena_alloc(m->arena, max, sizeof *m->fits);
     for (uint32_t i = 0; m->repeated && i < materials; i++) m->repeated[i] = NULL;
     for (uint32_t i = 0; i < m->scene->assets.mesh_slots.count; i++)
         if (m->scene->assets.meshes[i])
             m->max_slots = daft_max_u(m->max_slots, m->scene->assets.meshes[i]->mesh.slot_count);
-    return m->numbers && m->repeated && m->entities && m->instances && m->fits;
+    return m->numbers && m->repeated && m->entities && m->posed && m->instances && m->fits;
 }
 
 /* ---- which ---- */
@@ -137,6 +140,18 @@ static bool repeat_material(maker *m, uint32_t material)
     return all != NULL;
 }
 
+/* Notes an entity that plays, unless the picture can do without it. */
+static bool list_posed(maker *m, uint32_t index)
+{
+    const daft_entity_item *item = daft_entity_world(m->scene, index, m->alpha);
+    daft_vec3 low, high;
+    daft_animated_bounds(item->animated, shape_of(m->scene, item)->rig, &low, &high);
+    const bool seen = !m->sight || daft_sight_has(m->scene, m->sight, item, low, high);
+    if (seen) m->posed[m->posed_count++] = index;
+    m->unseen += !seen;
+    return seen;
+}
+
 /* Notes the entity if there is something of it to show. Where those with parents are is found here, since others may
  * stand on the same. False: memory is out. */
 static bool list_entity(maker *m, uint32_t index)
@@ -145,6 +160,7 @@ static bool list_entity(maker *m, uint32_t index)
     const daft_entity_item *item = &scene->entities[index];
     if (!scene->entity_slots.items[index].live || item->def.shape == DAFT_SHAPE_NONE || !item->def.visible) return true;
     if (item->parent != DAFT_NONE && !daft_entity_world(scene, index, m->alpha)->shown) return true;
+    if (item->animated && !list_posed(m, index)) return true;
     const daft_mesh_item *shape = shape_of(scene, item);
     m->entities[m->count++] = index;
     return !repeats(item, shape) || repeat_material(m, daft_asset_index(item->def.material.id));
@@ -202,10 +218,12 @@ static void place_entity(const maker *m, uint32_t i)
     *instance =
         (daft_instance){.entity = daft_slots_handle(&scene->entity_slots, m->entities[i]), .order = m->entities[i]};
     m->fits[i] = place(&item->world, m->origin, instance);
-    instance->mesh = shape ? &shape->mesh : NULL;
-    instance->shape = shape ? shape->revision : 0;
-    instance->bvh = shape ? shape->bvh : NULL;
-    instance->kdtree = shape && m->kdtrees ? shape->kdtree : NULL;
+    const daft_posed *posed = item->animated ? daft_animated_shown(item->animated, !m->sight) : NULL;
+    instance->mesh = posed ? &posed->mesh : shape ? &shape->mesh : NULL;
+    instance->shape = posed ? posed->revision : shape ? shape->revision : 0;
+    instance->bvh = posed ? posed->bvh : shape ? shape->bvh : NULL;
+    instance->kdtree = shape && !posed && m->kdtrees ? shape->kdtree : NULL; /* none of a pose: rays go through the BVH
+                                                                              */
     if (!shape) instance->radius = world_radius(&item->world, item->def.radius);
     instance->materials = materials_of(m, item, shape);
     instance->flags = flags_of(scene, item, instance);
@@ -252,21 +270,34 @@ static uint32_t sift(maker *m)
     return kept;
 }
 
-bool daft_snapshot_instances(daft_scene *scene, daft_dvec3 origin, float alpha, bool kdtrees, daft_arena *arena,
-                             daft_instance **instances, uint32_t *count, daft_error *error)
+/* Entities in order, then the poses of those that play, on all threads. */
+static bool list_all(maker *m, daft_error *error)
 {
-    maker m = {.scene = scene, .origin = origin, .alpha = alpha, .kdtrees = kdtrees, .arena = arena};
-    *count = 0;
-    if (!begin(&m)) return daft_fail_memory(error, "a snapshot's instances");
+    daft_scene *scene = m->scene;
     scene->walk = ++scene->engine->revision;
+    scene->listings += m->sight != NULL;
     for (uint32_t i = 0; i < scene->entity_slots.count; i++) {
         const daft_entity_item *ahead = &scene->entities[daft_min_u(i + AHEAD, scene->entity_slots.count - 1)];
         __builtin_prefetch(&ahead->def.shape), __builtin_prefetch(&ahead->parent);
-        if (!list_entity(&m, i)) return daft_fail_memory(error, "a snapshot's materials");
+        if (!list_entity(m, i)) return daft_fail_memory(error, "a snapshot's materials");
     }
-    if (kdtrees && !need_kdtrees(&m, error)) return false;
+    return m->posed_count == 0 ||
+           daft_animated_pose(scene, m->posed, m->posed_count, m->alpha, !m->sight, m->arena, error);
+}
+
+bool daft_snapshot_instances(daft_scene *scene, daft_listing *listing, daft_error *error)
+{
+    maker m = {.scene = scene,
+               .origin = listing->origin,
+               .alpha = listing->alpha,
+               .sight = listing->sight,
+               .kdtrees = listing->kdtrees,
+               .arena = listing->arena};
+    listing->count = 0;
+    if (!begin(&m)) return daft_fail_memory(error, "a snapshot's instances");
+    if (!list_all(&m, error) || (m.kdtrees && !need_kdtrees(&m, error))) return false;
     daft_parallel_for(m.count < FEW ? 1 : scene->engine->threads, (m.count + TASK - 1) / TASK, place_task, &m);
-    *instances = m.instances;
-    *count = sift(&m);
+    listing->instances = m.instances, listing->unseen = m.unseen;
+    listing->count = sift(&m);
     return true;
 }

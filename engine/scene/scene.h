@@ -13,6 +13,7 @@
 #include "base/base.h"
 #include "base/budget.h"
 #include "geometry/mesh.h"
+#include "geometry/rig.h"
 #include "image/image.h"
 #include "math/vec.h"
 #include "render/render.h"
@@ -57,6 +58,7 @@ typedef struct daft_mesh_item {
     daft_bvh *bvh;
     daft_kdtree *kdtree; /* NULL: the engine's accelerator is the BVH, and no picture has asked for one */
     uint32_t *materials; /* index of each slot's material */
+    daft_rig *rig;       /* NULL: it has no clips */
 } daft_mesh_item;
 
 /* A box's mesh, shared by the entities of the same size, gone with the last of them. */
@@ -129,6 +131,50 @@ typedef struct daft_joint_item {
     uint32_t joint; /* of the world */
 } daft_joint_item;
 
+/* A clip that plays, or that the pose passes over from. */
+typedef struct daft_track {
+    uint32_t clip;
+    bool loop;
+    float speed;
+    double time, step;        /* seconds into it; of it, in the last tick */
+    double blend, done, more; /* seconds: of passing over into it, of that behind, and of that in the last tick */
+} daft_track;
+
+/* A mesh in a pose. It shares what poses do not change with the mesh. */
+typedef struct daft_posed {
+    daft_retired retired;
+    daft_trimesh mesh;
+    daft_bvh *bvh;
+    daft_rig_layer layers[DAFT_RIG_LAYERS];
+    uint32_t layer_count;
+    uint64_t revision;    /* of the engine, when it was posed */
+    uint64_t first, last; /* lists of instances that have it, by scene.listings */
+} daft_posed;
+
+enum { DAFT_POSES = 3 }; /* two for pictures, of which one may be in the making, one for rays */
+
+/* What an entity with a playing clip has: its tracks, the newest last, and its poses. */
+typedef struct daft_animated {
+    struct daft_animated *next, *previous;
+    uint32_t entity; /* index */
+    uint32_t track_count;
+    daft_track tracks[DAFT_RIG_LAYERS];
+    uint64_t stepped; /* the tick that the tracks' steps are of */
+    daft_posed *posed[DAFT_POSES];
+    uint32_t shown; /* of the first two: the one in the last list of instances */
+    daft_rig_space *space;
+} daft_animated;
+
+/* What of a scene can be in a picture: five planes through the frame's origin, what is within a margin of them, and the
+ * lights whose shadows fall into it. */
+typedef struct daft_sight {
+    daft_vec3 planes[5]; /* unit, inwards: the sides, and the camera's own plane */
+    float margin;        /* metres */
+    uint32_t anywhere;   /* 1: mirrored and refracted rays may go anywhere */
+    uint32_t shadows;    /* 1: lights cast some */
+    daft_dvec3 origin;
+} daft_sight;
+
 typedef struct daft_entity_item {
     daft_entity_def def; /* its transform is not kept up to date: `now` is */
     daft_transform now, before;
@@ -138,9 +184,10 @@ typedef struct daft_entity_item {
     uint32_t body;                                /* of the world, 0: none */
     uint32_t *geometries;                         /* that the body is made of; NULL: none */
     uint32_t geometry_count;
-    uint32_t moving_slot; /* dynamic and kinematic bodies: index into scene.moving */
-    uint32_t below;       /* scratch of daft_entity_world */
-    uint64_t walk_stamp;  /* world and shown are those of this walk */
+    uint32_t moving_slot;    /* dynamic and kinematic bodies: index into scene.moving */
+    daft_animated *animated; /* NULL: it plays no clip */
+    uint32_t below;          /* scratch of daft_entity_world */
+    uint64_t walk_stamp;     /* world and shown are those of this walk */
     daft_daffine world;
     bool shown; /* visible, and so is every ancestor */
     bool warned;
@@ -176,6 +223,9 @@ typedef struct daft_scene_frame {
     bool still;              /* nothing was between two ticks' poses; else it was drawn at: */
     float alpha;
     daft_dvec3 origin;
+    uint64_t listing, posings; /* the scene's listings and posings when they were listed */
+    uint32_t unseen;           /* animated entities that are not among them, as they were out of this sight: */
+    daft_sight sight;
 } daft_scene_frame;
 
 typedef struct daft_character_item {
@@ -209,6 +259,8 @@ struct daft_scene {
     daft_slots light_slots;
     daft_light_def *lights;
     size_t light_capacity;
+    daft_animated *animated;    /* all of them */
+    uint64_t listings, posings; /* counts lists of instances, and changes of poses that pictures show */
     daft_vec3 ambient;
     float occlusion; /* metres; 0: none */
     daft_sky sky;
@@ -384,6 +436,28 @@ bool daft_characters_step(daft_scene *scene, float dt, daft_error *error);
 void daft_characters_move_entities(daft_scene *scene); /* entities go at once to the characters that they follow */
 uint64_t daft_characters_hash(const daft_scene *scene, uint64_t hash);
 
+/* ---- animation/ ---- */
+
+/* The animation that an entity with this mesh is to get. NULL on failure. */
+daft_animated *daft_animated_make(daft_scene *scene, const daft_mesh_item *mesh, const daft_play_def *def,
+                                  daft_error *error);
+void daft_animated_attach(daft_scene *scene, uint32_t entity, daft_animated *animated);
+/* What pictures may show is retired. NULL is fine. */
+void daft_animated_free(daft_scene *scene, daft_animated *animated);
+void daft_animations_step(daft_scene *scene, float dt);
+uint64_t daft_animations_hash(const daft_scene *scene, uint32_t entity, uint64_t hash);
+/* What a mesh that plays reaches: the clips that it shows. */
+void daft_animated_bounds(const daft_animated *animated, const daft_rig *rig, daft_vec3 *low, daft_vec3 *high);
+/* Poses of these entities, which play, for the list of instances that scene.listings counts. */
+bool daft_animated_pose(daft_scene *scene, const uint32_t *entities, uint32_t count, float alpha, bool rays,
+                        daft_arena *arena, daft_error *error);
+/* The pose that this list has of it. */
+const daft_posed *daft_animated_shown(const daft_animated *animated, bool rays);
+void daft_sight_make(const daft_scene *scene, const daft_view *view, int width, int height, daft_sight *out);
+/* Whether anything of the box in the entity's axes can be in the picture, or cast a shadow into it. */
+bool daft_sight_has(const daft_scene *scene, const daft_sight *sight, const daft_entity_item *item, daft_vec3 low,
+                    daft_vec3 high);
+
 /* ---- lights.c, camera.c ---- */
 
 bool daft_lights_reserve(daft_scene *scene, uint32_t more, daft_error *error);
@@ -436,9 +510,16 @@ static inline bool daft_uses_kdtrees(const daft_scene *scene, const daft_view *v
 {
     return scene->engine->accel == DAFT_ACCEL_KDTREE || view->quality.tree == DAFT_TREE_KDTREE;
 }
-/* kdtrees: the instances have them; those that are missing are built. */
-bool daft_snapshot_instances(daft_scene *scene, daft_dvec3 origin, float alpha, bool kdtrees, daft_arena *arena,
-                             daft_instance **instances, uint32_t *count, daft_error *error);
+typedef struct daft_listing {
+    daft_dvec3 origin;
+    float alpha;
+    const daft_sight *sight; /* of a picture; NULL: for rays, which go anywhere */
+    bool kdtrees; /* the instances have them; those that are missing are built */
+    daft_arena *arena;
+    daft_instance *instances; /* out */
+    uint32_t count, unseen;   /* out; unseen: animated entities that are left out, as the picture cannot show them */
+} daft_listing;
+bool daft_snapshot_instances(daft_scene *scene, daft_listing *listing, daft_error *error);
 /* Whether a point of the frame is one that kernels can work with. */
 bool daft_fits_kernels(daft_vec3 point);
 bool daft_snapshot_fill(daft_scene *scene, const daft_view *view, int width, int height, daft_scene_frame *frame,

@@ -377,6 +377,16 @@ static void move(viewer *v, double seconds)
     if (fly_move(&v->flight, &wish, seconds)) v->changed = true;
 }
 
+/* Clips go on. A scene that plays any has posed, or left out, some in its first picture. */
+static void play(viewer *v, double seconds)
+{
+    daft_scene *scene = v->content.scene;
+    const daft_counters *c = scene ? daft_scene_counters(scene) : NULL;
+    if (!c || c->poses + c->poses_unseen == 0 || !(seconds > 0)) return;
+    daft_scene_begin_tick(scene);
+    if (daft_scene_step(scene, (float)seconds, NULL)) v->changed = true;
+}
+
 static void rest(void)
 {
     const struct timespec frame = {.tv_nsec = 10000000};
@@ -398,6 +408,7 @@ static bool run(viewer *v, daft_error *error)
         watch_file(v);
         make_watch(v);
         move(v, fmin(seconds, longest));
+        play(v, fmin(seconds, longest));
         if (!show(v, error)) return false;
         if (v->rests) rest(); /* a window's own pace comes with the pictures that it is given */
         screen->end_frame(screen);

@@ -469,6 +469,12 @@ static const daft_character_def *give_const_daft_character_def_p(caller *c)
     return give_struct(c, DAFT_STRUCT_CHARACTER_DEF, &def, false);
 }
 
+static const daft_play_def *give_const_daft_play_def_p(caller *c)
+{
+    daft_play_def def = daft_default_play_def();
+    return give_struct(c, DAFT_STRUCT_PLAY_DEF, &def, false);
+}
+
 /* Structs that are in no list of fields. */
 
 static const daft_checkpoint *give_const_daft_checkpoint_p(caller *c)
@@ -648,7 +654,10 @@ GIVE_ROOM(daft_accel, VERDICT_WRONG)
 GIVE_ROOM(daft_preset, VERDICT_WRONG)
 GIVE_ROOM(daft_intersection, VERDICT_WRONG)
 GIVE_ROOM(daft_sim_measure, VERDICT_WRONG)
+GIVE_ROOM(daft_mesh, VERDICT_WRONG)
 GIVE_ROOM(daft_mesh_info, VERDICT_WRONG)
+GIVE_ROOM(daft_clip_info, VERDICT_WRONG)
+GIVE_ROOM(daft_animation, VERDICT_WRONG)
 GIVE_ROOM(daft_mesh_report, VERDICT_WRONG)
 GIVE_ROOM(daft_material_def, VERDICT_WRONG)
 GIVE_ROOM(daft_light_def, VERDICT_WRONG)
@@ -776,6 +785,7 @@ TOOK_VALUE(daft_query_filter)
 TOOK_VALUE(daft_volume)
 TOOK_VALUE(daft_scan_def)
 TOOK_VALUE(daft_character_def)
+TOOK_VALUE(daft_play_def)
 
 #include "misuse_calls.inc" /* by calls.awk: a call for each function of daft.h, and CALLS */
 
@@ -949,10 +959,21 @@ void caller_mend(caller *c)
     if (!c->scene) make_scene(c);
 }
 
+/* No mesh here has clips, which come from files that Assimp reads. */
+static bool takes_clips(const caller *c)
+{
+    static const char *const NAMES[] = {"daft_mesh_get_clip",        "daft_mesh_find_clip",
+                                        "daft_entity_get_mesh",      "daft_entity_play",
+                                        "daft_entity_get_animation", "daft_entity_set_animation_time"};
+    for (size_t i = 0; i < COUNT_OF(NAMES); i++)
+        if (is_function(c, NAMES[i])) return true;
+    return false;
+}
+
 void caller_make(caller *c, size_t index)
 {
     c->function = CALLS[index].function;
-    c->said = VERDICT_GOOD;
+    c->said = takes_clips(c) ? VERDICT_ODD : VERDICT_GOOD;
     c->object_missing = c->succeeded = false;
     c->size = 0;
     c->which = DAFT_STRUCT_LIGHT_DEF;

@@ -5,6 +5,7 @@
 #include "accel/build/build.h"
 
 #include <float.h>
+#include <string.h>
 
 enum { NODES_A_TASK = 256, BLOCKS_A_TASK = 1024, TOO_FEW_BLOCKS = 1024 };
 #define WORSE 1.4 /* theirs */
@@ -113,6 +114,24 @@ static void replace(daft_bvh *bvh, daft_bvh *fresh)
     *bvh = *fresh;
     *fresh = old;
     daft_bvh_free(fresh);
+}
+
+daft_bvh *daft_bvh_copy(const daft_allocator *allocator, const daft_bvh *bvh)
+{
+    daft_bvh *copy = daft_alloc_zero(allocator, 1, sizeof *copy);
+    if (!copy) return NULL;
+    *copy = *bvh;
+    copy->allocator = *allocator;
+    copy->nodes = (daft_node_list){.count = bvh->nodes.count, .capacity = bvh->nodes.count};
+    copy->nodes.items = daft_alloc(allocator, bvh->nodes.count + 1, sizeof *copy->nodes.items);
+    copy->blocks = daft_alloc(allocator, bvh->block_count + 1, sizeof *copy->blocks);
+    if (!copy->nodes.items || !copy->blocks) {
+        daft_bvh_free(copy);
+        return NULL;
+    }
+    memcpy(copy->nodes.items, bvh->nodes.items, bvh->nodes.count * sizeof *copy->nodes.items);
+    memcpy(copy->blocks, bvh->blocks, bvh->block_count * sizeof *copy->blocks);
+    return copy;
 }
 
 bool daft_bvh_update(daft_bvh *bvh, const daft_trimesh *mesh, const daft_bvh_def *def)

@@ -114,10 +114,32 @@ static void close_file(struct aiFileIO *io, struct aiFile *file)
 
 /* ---- the import ---- */
 
+/* Assimp adds materials of its own, which no triangle has: what only looks as if it mirrored would cost. */
+static bool drop_unused(const daft_foreign *from, daft_obj *made)
+{
+    const uint32_t count = made->mesh.slot_count;
+    uint16_t *number = daft_alloc_zero(from->allocator, (size_t)count + 1, sizeof *number);
+    if (!number) return daft_fail_memory(from->error, "a model's materials");
+    uint16_t kept = 0;
+    for (uint32_t t = 0; t < made->mesh.triangle_count; t++) number[made->mesh.slots[t]] = 1;
+    for (uint32_t i = 0; i < count; i++) {
+        if (!number[i]) {
+            daft_release(from->allocator, made->slots.items[i].map_bytes);
+            continue;
+        }
+        number[i] = kept;
+        made->slots.items[kept++] = made->slots.items[i];
+    }
+    for (uint32_t t = 0; t < made->mesh.triangle_count; t++) made->mesh.slots[t] = number[made->mesh.slots[t]];
+    made->slots.count = made->mesh.slot_count = kept;
+    daft_release(from->allocator, number);
+    return true;
+}
+
 static bool convert(const daft_foreign *from, daft_obj *out)
 {
     daft_obj made = {0};
-    if (daft_foreign_mesh(from, &made.mesh) && daft_foreign_materials(from, &made.slots)) {
+    if (daft_foreign_mesh(from, &made) && daft_foreign_materials(from, &made.slots) && drop_unused(from, &made)) {
         *out = made;
         return true;
     }
@@ -128,8 +150,9 @@ static bool convert(const daft_foreign *from, daft_obj *out)
 bool daft_foreign_parse(const daft_allocator *allocator, const daft_files *files, const char *path, const void *bytes,
                         size_t size, const daft_log *log, daft_obj *out, daft_error *error)
 {
-    const unsigned steps = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_ValidateDataStructure |
-                           aiProcess_GlobalScale | aiProcess_LimitBoneWeights;
+    /* Not LimitBoneWeights: version 5.2 makes NaN of weights that are 0. */
+    const unsigned steps =
+        aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_ValidateDataStructure | aiProcess_GlobalScale;
     char name[1100];
     daft_assimp assimp;
     if (!open_library(&assimp, path, error)) return false;
@@ -142,7 +165,7 @@ bool daft_foreign_parse(const daft_allocator *allocator, const daft_files *files
     const struct aiScene *scene = assimp.import(name, steps, &io, NULL);
     bool good = scene && scene->mRootNode;
     if (good) {
-        const daft_foreign all = {allocator, files, path, log, &assimp, scene, error};
+        const daft_foreign all = {allocator, files, path, log, &assimp, scene, error, format};
         good = convert(&all, out);
     } else {
         char why[400];

@@ -7,102 +7,20 @@
 
 enum { MOST_VERTICES = 1 << 28, MOST_SLOTS = 65535 };
 
-typedef struct placing {
-    const struct aiNode *node;
-    double m[12]; /* to the scene's axes: three rows */
-} placing;
+typedef daft_flattener flattener;
 
-typedef struct flattener {
-    const daft_foreign *from;
-    daft_trimesh mesh;
-    placing *nodes;
-    uint32_t node_count;
-    daft_vec3 *positions; /* of all vertices, before those in one place become one */
-    uint32_t count;
-    bool bare;       /* some mesh has no normals */
-    double *blended; /* 12 for each vertex of a skin */
-} flattener;
-
-/* ---- the hierarchy ---- */
-
-static void from_assimp(const struct aiMatrix4x4 *a, double m[12])
-{
-    const float rows[12] = {a->a1, a->a2, a->a3, a->a4, a->b1, a->b2, a->b3, a->b4, a->c1, a->c2, a->c3, a->c4};
-    for (int i = 0; i < 12; i++) m[i] = (double)rows[i];
-}
-
-static void multiply(const double a[12], const double b[12], double out[12])
-{
-    for (int row = 0; row < 3; row++)
-        for (int k = 0; k < 4; k++)
-            out[4 * row + k] = a[4 * row] * b[k] + a[4 * row + 1] * b[4 + k] + a[4 * row + 2] * b[8 + k] +
-                               (k == 3 ? a[4 * row + 3] : 0);
-}
-
-static daft_vec3 move(const double m[12], struct aiVector3D v, double w)
-{
-    const double x = (double)v.x, y = (double)v.y, z = (double)v.z;
-    return daft_v3((float)(m[0] * x + m[1] * y + m[2] * z + w * m[3]),
-                   (float)(m[4] * x + m[5] * y + m[6] * z + w * m[7]),
-                   (float)(m[8] * x + m[9] * y + m[10] * z + w * m[11]));
-}
-
-static double determinant(const double m[12])
-{
-    return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) +
-           m[2] * (m[4] * m[9] - m[5] * m[8]);
-}
+/* ---- skins at rest ---- */
 
 /* What normals are multiplied with: the cofactors, which turned surfaces keep at right angles. */
 static void cofactors(const double m[12], double out[12])
 {
-    const double sign = determinant(m) < 0 ? -1 : 1;
+    const double sign = daft_foreign_determinant(m) < 0 ? -1 : 1;
     for (int row = 0; row < 3; row++)
         for (int k = 0; k < 3; k++) {
             const int r = (row + 1) % 3, s = (row + 2) % 3, c = (k + 1) % 3, d = (k + 2) % 3;
             out[4 * row + k] = sign * (m[4 * r + c] * m[4 * s + d] - m[4 * r + d] * m[4 * s + c]);
         }
     out[3] = out[7] = out[11] = 0;
-}
-
-/* parent: its matrix, or NULL. */
-static void add_node(flattener *f, const struct aiNode *node, const double *parent)
-{
-    placing *made = &f->nodes[f->node_count++];
-    double own[12];
-    made->node = node;
-    from_assimp(&node->mTransformation, own);
-    if (parent)
-        multiply(parent, own, made->m);
-    else
-        memcpy(made->m, own, sizeof own);
-}
-
-/* Without recursion, since a file may nest as deep as it likes: children follow once their parent is listed. */
-static bool list_nodes(flattener *f)
-{
-    size_t capacity = 0;
-    const struct aiNode *root = f->from->scene->mRootNode;
-    if (!daft_grow(f->from->allocator, &f->nodes, &capacity, 1, 0, sizeof *f->nodes))
-        return daft_fail_memory(f->from->error, "a model's nodes");
-    add_node(f, root, NULL);
-    for (uint32_t i = 0; i < f->node_count; i++) {
-        const struct aiNode *node = f->nodes[i].node;
-        if (!daft_grow(f->from->allocator, &f->nodes, &capacity, (size_t)f->node_count + node->mNumChildren,
-                       f->node_count, sizeof *f->nodes))
-            return daft_fail_memory(f->from->error, "a model's nodes");
-        for (uint32_t k = 0; k < node->mNumChildren; k++) add_node(f, node->mChildren[k], f->nodes[i].m);
-    }
-    return true;
-}
-
-/* ---- skins ---- */
-
-static const placing *find_node(const flattener *f, const struct aiString *name)
-{
-    for (uint32_t i = 0; i < f->node_count; i++)
-        if (strcmp(f->nodes[i].node->mName.data, name->data) == 0) return &f->nodes[i];
-    return NULL;
 }
 
 /* The matrix of each vertex of a skin as its bones stand: weighted sums (linear blend skinning). */
@@ -114,14 +32,14 @@ static bool blend(flattener *f, const struct aiMesh *mesh)
     if (!f->blended) return daft_fail_memory(f->from->error, "a model's skin");
     for (uint32_t i = 0; i < mesh->mNumBones; i++) {
         const struct aiBone *bone = mesh->mBones[i];
-        const placing *node = find_node(f, &bone->mName);
+        const uint32_t node = daft_foreign_nodes_find(&f->nodes, bone->mName.data);
         double offset[12], m[12];
-        if (!node) continue;
-        from_assimp(&bone->mOffsetMatrix, offset);
-        multiply(node->m, offset, m);
+        if (node == DAFT_RIG_NONE) continue;
+        daft_foreign_matrix(&bone->mOffsetMatrix, offset);
+        daft_rig_multiply(f->nodes.items[node].m, offset, m);
         for (uint32_t k = 0; k < bone->mNumWeights; k++) {
             const struct aiVertexWeight *weight = &bone->mWeights[k];
-            if (weight->mVertexId >= mesh->mNumVertices) continue;
+            if (weight->mVertexId >= mesh->mNumVertices || !isfinite(weight->mWeight)) continue;
             for (int j = 0; j < 12; j++)
                 f->blended[12 * (size_t)weight->mVertexId + (size_t)j] += (double)weight->mWeight * m[j];
         }
@@ -133,15 +51,18 @@ static bool blend(flattener *f, const struct aiMesh *mesh)
 
 static void put_vertices(flattener *f, const struct aiMesh *mesh, const double place[12])
 {
+    static const double AS_IT_IS[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
     f->bare |= !mesh->mNormals;
+    if (f->rig) place = AS_IT_IS;
     for (uint32_t i = 0; i < mesh->mNumVertices; i++) {
         const uint32_t at = f->count + i;
-        const double *own = mesh->mNumBones ? f->blended + 12 * (size_t)i : NULL, *m = own ? own : place;
+        const double *own = mesh->mNumBones && !f->rig ? f->blended + 12 * (size_t)i : NULL, *m = own ? own : place;
         double turned[12];
-        if (own && determinant(own) == 0) m = place; /* a vertex that no bone holds */
+        if (own && daft_foreign_determinant(own) == 0) m = place; /* a vertex that no bone holds */
         cofactors(m, turned);
-        f->positions[at] = move(m, mesh->mVertices[i], 1);
-        const daft_dvec3 n = mesh->mNormals ? daft_to_double(move(turned, mesh->mNormals[i], 0)) : daft_dv3(0, 0, 0);
+        f->positions[at] = daft_foreign_move(m, mesh->mVertices[i], 1);
+        const daft_dvec3 n =
+            mesh->mNormals ? daft_to_double(daft_foreign_move(turned, mesh->mNormals[i], 0)) : daft_dv3(0, 0, 0);
         const double length = sqrt(daft_ddot(n, n));
         f->mesh.normals[at] =
             isfinite(length) && length > 0 ? daft_to_float(daft_dscale(n, 1 / length)) : daft_v3(0, 1, 0);
@@ -172,13 +93,13 @@ static void put_triangles(flattener *f, const struct aiMesh *mesh, bool mirrored
 static bool put_meshes(flattener *f)
 {
     const struct aiScene *scene = f->from->scene;
-    for (uint32_t i = 0; i < f->node_count; i++) {
-        const placing *p = &f->nodes[i];
+    for (uint32_t i = 0; i < f->nodes.count; i++) {
+        const daft_foreign_node *p = &f->nodes.items[i];
         for (uint32_t k = 0; k < p->node->mNumMeshes; k++) {
             const struct aiMesh *mesh = scene->mMeshes[p->node->mMeshes[k]];
-            if (mesh->mNumBones && !blend(f, mesh)) return false;
+            if (f->rig ? !daft_foreign_rig_bind(f, mesh, i) : mesh->mNumBones && !blend(f, mesh)) return false;
             put_vertices(f, mesh, p->m);
-            put_triangles(f, mesh, determinant(p->m) < 0 && !mesh->mNumBones);
+            put_triangles(f, mesh, daft_foreign_determinant(p->m) < 0 && !mesh->mNumBones);
             f->count += mesh->mNumVertices;
         }
     }
@@ -190,9 +111,9 @@ static bool reserve(flattener *f)
     const daft_allocator *allocator = f->from->allocator;
     const struct aiScene *scene = f->from->scene;
     uint64_t vertices = 0, triangles = 0;
-    for (uint32_t i = 0; i < f->node_count; i++)
-        for (uint32_t k = 0; k < f->nodes[i].node->mNumMeshes; k++) {
-            const struct aiMesh *mesh = scene->mMeshes[f->nodes[i].node->mMeshes[k]];
+    for (uint32_t i = 0; i < f->nodes.count; i++)
+        for (uint32_t k = 0; k < f->nodes.items[i].node->mNumMeshes; k++) {
+            const struct aiMesh *mesh = scene->mMeshes[f->nodes.items[i].node->mMeshes[k]];
             vertices += mesh->mNumVertices, triangles += mesh->mNumFaces;
         }
     if (vertices > MOST_VERTICES || triangles > MOST_VERTICES || scene->mNumMaterials > MOST_SLOTS)
@@ -210,7 +131,9 @@ static bool reserve(flattener *f)
     m->normal_indices = daft_alloc(allocator, t, 3 * sizeof *m->normal_indices);
     m->uv_indices = daft_alloc(allocator, t, 3 * sizeof *m->uv_indices);
     m->slots = daft_alloc(allocator, t, sizeof *m->slots);
-    return (f->positions && m->normals && m->uvs && m->indices && m->normal_indices && m->uv_indices && m->slots) ||
+    if (f->rig) f->bindings = daft_alloc_zero(allocator, v, sizeof *f->bindings);
+    return (f->positions && (f->bindings || !f->rig) && m->normals && m->uvs && m->indices && m->normal_indices &&
+            m->uv_indices && m->slots) ||
            daft_fail_memory(f->from->error, "a model");
 }
 
@@ -222,46 +145,71 @@ static uint32_t slot_of(daft_vec3 p, uint32_t mask)
     return (uint32_t)(daft_hash(bits, sizeof bits, 0) >> 32) & mask;
 }
 
-/* Numbers positions anew, without repetition; triangles that have become lines or points go. */
-static bool weld(flattener *f)
+/* The place in the table of a vertex that this one becomes one with, or of none. */
+static uint32_t find_place(const flattener *f, const uint32_t *table, uint32_t mask, uint32_t vertex)
 {
-    const daft_allocator *allocator = f->from->allocator;
-    daft_trimesh *m = &f->mesh;
-    uint32_t room = 16, kept = 0;
-    while (room < 2 * (uint64_t)f->count) room *= 2;
-    uint32_t *table = daft_alloc(allocator, room, sizeof *table),
-             *number = daft_alloc(allocator, f->count + 1, sizeof *number);
-    bool good = table && number;
-    for (uint32_t i = 0; good && i < room; i++) table[i] = UINT32_MAX;
-    for (uint32_t i = 0; good && i < f->count; i++) {
-        const daft_vec3 p = f->positions[i];
-        uint32_t at = slot_of(p, room - 1);
-        for (; table[at] != UINT32_MAX; at = (at + 1) & (room - 1)) {
-            const daft_vec3 q = f->positions[table[at]];
-            if (q.x == p.x && q.y == p.y && q.z == p.z) break;
-        }
-        if (table[at] == UINT32_MAX) table[at] = kept, f->positions[kept++] = p;
-        number[i] = table[at];
+    const daft_vec3 p = f->positions[vertex];
+    uint32_t at = slot_of(p, mask);
+    for (; table[at] != UINT32_MAX; at = (at + 1) & mask) {
+        const daft_vec3 q = f->positions[table[at]];
+        if (q.x == p.x && q.y == p.y && q.z == p.z && (!f->rig || daft_foreign_rig_alike(f, table[at], vertex))) break;
     }
+    return at;
+}
+
+/* Numbers positions anew, without repetition. Returns how many there are. */
+static uint32_t number_vertices(flattener *f, uint32_t *table, uint32_t room)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < room; i++) table[i] = UINT32_MAX;
+    for (uint32_t i = 0; i < f->count; i++) {
+        const uint32_t at = find_place(f, table, room - 1, i);
+        const bool fresh = table[at] == UINT32_MAX;
+        f->number[i] = fresh ? kept++ : f->number[table[at]];
+        if (fresh) table[at] = i;
+    }
+    return kept;
+}
+
+/* Triangles that have become lines or points go. */
+static void number_triangles(flattener *f)
+{
+    daft_trimesh *m = &f->mesh;
     uint32_t triangles = 0;
-    for (uint32_t t = 0; good && t < m->triangle_count; t++) {
+    for (uint32_t t = 0; t < m->triangle_count; t++) {
         const uint32_t *from = &m->indices[3 * (size_t)t], corner[3] = {from[0], from[1], from[2]};
-        const uint32_t a = number[corner[0]], b = number[corner[1]], c = number[corner[2]];
+        const uint32_t a = f->number[corner[0]], b = f->number[corner[1]], c = f->number[corner[2]];
         if (a == b || b == c || c == a) {
             m->left_out++;
             continue;
         }
         const size_t to = 3 * (size_t)triangles;
-        for (int k = 0; k < 3; k++) {
-            m->normal_indices[to + (size_t)k] = m->uv_indices[to + (size_t)k] = corner[k];
-            m->indices[to + (size_t)k] = number[corner[k]];
+        for (size_t k = 0; k < 3; k++) {
+            m->normal_indices[to + k] = m->uv_indices[to + k] = corner[k];
+            m->indices[to + k] = f->number[corner[k]];
         }
         m->slots[triangles++] = m->slots[t];
     }
     m->triangle_count = triangles;
-    daft_release(allocator, table), daft_release(allocator, number);
-    if (!good) return daft_fail_memory(f->from->error, "a model");
-    return daft_trimesh_set_positions(allocator, m, f->positions, kept, f->from->error);
+}
+
+static bool weld(flattener *f)
+{
+    const daft_allocator *allocator = f->from->allocator;
+    uint32_t room = 16;
+    while (room < 2 * (uint64_t)f->count) room *= 2;
+    uint32_t *table = daft_alloc(allocator, room, sizeof *table);
+    daft_vec3 *kept = daft_alloc(allocator, (size_t)f->count + 1, sizeof *kept);
+    f->number = daft_alloc(allocator, (size_t)f->count + 1, sizeof *f->number);
+    bool good = (table && kept && f->number) || daft_fail_memory(f->from->error, "a model");
+    if (good) {
+        const uint32_t count = number_vertices(f, table, room);
+        for (uint32_t i = f->count; i-- > 0;) kept[f->number[i]] = f->positions[i]; /* the first of each counts */
+        number_triangles(f);
+        good = daft_trimesh_set_positions(allocator, &f->mesh, kept, count, f->from->error);
+    }
+    daft_release(allocator, table), daft_release(allocator, kept);
+    return good;
 }
 
 /* Normals of our own, for all: smooth across edges flatter than 40 degrees. */
@@ -276,18 +224,20 @@ static bool make_normals(flattener *f)
     return daft_trimesh_smooth(allocator, m, DAFT_SMOOTH_CREASE, f->from->error);
 }
 
-bool daft_foreign_mesh(const daft_foreign *from, daft_trimesh *out)
+bool daft_foreign_mesh(const daft_foreign *from, daft_obj *out)
 {
     flattener f = {.from = from};
-    bool good = list_nodes(&f) && reserve(&f) && put_meshes(&f) && weld(&f) && make_normals(&f);
-    daft_release(from->allocator, f.nodes);
-    daft_release(from->allocator, f.positions);
-    daft_release(from->allocator, f.blended);
+    bool good = daft_foreign_nodes_list(from, &f.nodes) && daft_foreign_rig_begin(&f) && reserve(&f) &&
+                put_meshes(&f) && weld(&f) && make_normals(&f) && (!f.rig || daft_foreign_rig_end(&f));
+    daft_foreign_nodes_free(from, &f.nodes);
+    daft_release(from->allocator, f.positions), daft_release(from->allocator, f.number);
+    daft_release(from->allocator, f.blended), daft_release(from->allocator, f.bindings);
     if (good) {
         daft_trimesh_set_bounds(&f.mesh);
-        *out = f.mesh;
+        out->mesh = f.mesh, out->rig = f.rig;
     } else {
         daft_trimesh_free(from->allocator, &f.mesh);
+        daft_rig_free(from->allocator, f.rig);
     }
     return good;
 }

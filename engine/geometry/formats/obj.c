@@ -14,6 +14,8 @@
  * used; `o g l p vw vp mg` and display hints are skipped. `s` and `usemtl` hold until the next of their kind. Faces may
  * refer to positions that come later in the file. */
 #include "geometry/formats/obj.h"
+
+#include "geometry/rig.h"
 #include "geometry/trimesh.h"
 
 void daft_obj_source_free(daft_obj_source *source)
@@ -133,5 +135,6 @@ void daft_obj_free(const daft_allocator *allocator, daft_obj *obj)
     daft_trimesh_free(allocator, &obj->mesh);
     daft_mtl_list_free(allocator, &obj->slots);
     daft_release(allocator, obj->groups);
-    obj->groups = NULL;
+    daft_rig_free(allocator, obj->rig);
+    obj->groups = NULL, obj->rig = NULL;
 }

@@ -23,6 +23,7 @@ static void mesh_free(const daft_scene *scene, daft_mesh_item *item)
     if (item->bvh) daft_bvh_free(item->bvh);
     daft_kdtree_free(item->kdtree);
     daft_trimesh_free(scene->allocator, &item->mesh);
+    daft_rig_free(scene->allocator, item->rig);
     daft_release(scene->allocator, item->materials);
     daft_release(scene->allocator, item->path);
     daft_release(scene->allocator, item);
@@ -142,8 +143,8 @@ static bool mesh_read(daft_scene *scene, const char *path, daft_mesh_item *item,
     item->hash = daft_path_hash(path);
     daft_obj obj = {0};
     if (!daft_model_load(scene->allocator, scene->engine->files, path, &scene->engine->log, &obj, error)) return false;
-    item->mesh = obj.mesh; /* from here on the item owns the triangles */
-    memset(&obj.mesh, 0, sizeof obj.mesh);
+    item->mesh = obj.mesh, item->rig = obj.rig; /* from here on the item owns them */
+    memset(&obj.mesh, 0, sizeof obj.mesh), obj.rig = NULL;
     bool done = daft_scene_note_file(scene, path, error) && mesh_finish(scene, item, error);
     for (size_t i = 0; done && i < obj.slots.count && i < item->mesh.slot_count; i++) {
         daft_material material = daft_material_from_mtl(scene, &obj.slots.items[i], error);
@@ -261,6 +262,7 @@ bool daft_mesh_set_positions(daft_scene *scene, daft_mesh mesh, const daft_vec3 
     if (count != item->mesh.vertex_count)
         return daft_fail(error, DAFT_ERROR_ARGUMENT, "%u positions for a mesh of %u vertices", count,
                          item->mesh.vertex_count);
+    if (item->rig) return daft_fail(error, DAFT_ERROR_ARGUMENT, "the mesh has clips: these move it");
     if (daft_geometry_uses_mesh(scene, mesh))
         return daft_fail(error, DAFT_ERROR_ARGUMENT,
                          "the mesh's triangles are what a body is made of: they do not move");
@@ -290,7 +292,9 @@ bool daft_mesh_get_info(daft_scene *scene, daft_mesh mesh, daft_mesh_info *info,
                              .low = item->mesh.low,
                              .high = item->mesh.high,
                              .bytes = daft_trimesh_bytes(&item->mesh) + daft_bvh_bytes(item->bvh) +
-                                      (item->kdtree ? daft_kdtree_bytes(item->kdtree) : 0)};
+                                      (item->kdtree ? daft_kdtree_bytes(item->kdtree) : 0) +
+                                      (item->rig ? daft_rig_bytes(item->rig) : 0),
+                             .clip_count = item->rig ? item->rig->clip_count : 0};
     return true;
 }
 

@@ -2,6 +2,8 @@
  * engine's warnings turned to whoever asked; what loading need not look at is examined here. */
 #include "scene/format/check_file.h"
 
+#include "geometry/rig.h"
+
 #include <string.h>
 #include <strings.h>
 
@@ -108,6 +110,14 @@ static bool check_obj(daft_engine *engine, const char *path, const daft_problems
     return done;
 }
 
+/* What can be played, and how long it takes. */
+static void tell_clips(const daft_problems *problems, const char *path, const daft_rig *rig)
+{
+    for (uint32_t i = 0; rig && i < rig->clip_count; i++)
+        daft_problem_at(problems, DAFT_SEVERITY_NOTE, DAFT_OK, path, 0, 0, "clip '%s': %.3g s, %u channels",
+                        rig->clips[i].name, rig->clips[i].duration, rig->clips[i].track_count);
+}
+
 static bool check_model(daft_engine *engine, const char *path, const daft_problems *problems, daft_error *error)
 {
     daft_obj model;
@@ -125,6 +135,7 @@ static bool check_model(daft_engine *engine, const char *path, const daft_proble
     if (done && report.open_edges)
         daft_problem_at(problems, DAFT_SEVERITY_NOTE, DAFT_ERROR_ARGUMENT, path, 0, 0,
                         "%u edges are open: the mesh is not closed", report.open_edges);
+    tell_clips(problems, path, model.rig);
     daft_obj_free(&engine->allocator, &model);
     return done;
 }

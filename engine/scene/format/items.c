@@ -121,6 +121,7 @@ static const char *form_text(const form *f, char *buffer, size_t size)
             (size_t)snprintf(buffer + used, size - used, f->values[i].optional ? " [%s" : " %s", f->values[i].names);
     }
     for (; open > 0; open--) used += (size_t)snprintf(buffer + used, size - used, "]");
+    if (f->kind == DAFT_ITEM_MESH) snprintf(buffer + used, size - used, " [clip name]");
     return buffer;
 }
 
@@ -357,11 +358,36 @@ static bool read_option(reader *read)
            daft_scene_text_fail(read->text, token.column, "%s", why.message);
 }
 
+/* Whether the word comes next, as a word. */
+static bool next_is(daft_scene_text *text, const char *word)
+{
+    const size_t length = strlen(word);
+    return !daft_scene_text_ends(text) && (size_t)(text->end - text->at) > length &&
+           memcmp(text->at, word, length) == 0 && strchr(" \t\r\n", text->at[length]);
+}
+
+/* "clip NAME" */
+static bool read_clip(reader *read)
+{
+    daft_token token;
+    daft_scene_text_word(read->text, "clip", &token);
+    if (read->out->clip) return daft_scene_text_fail(read->text, token.column, "there is a clip already");
+    if (!daft_scene_text_word(read->text, "the name of a clip", &token)) return false;
+    char *copy = daft_arena_alloc(read->arena, token.length + 1, 1);
+    if (!copy) return daft_fail_memory(read->text->error, "a scene file's names");
+    memcpy(copy, token.text, token.length);
+    copy[token.length] = 0;
+    read->out->clip = copy, read->out->clip_column = token.column;
+    return true;
+}
+
 static bool read_options(reader *read)
 {
-    while (read->form->fields != DAFT_STRUCT_COUNT && option_length(read->text) > 0)
-        if (!read_option(read)) return false;
-    return true;
+    for (;;) {
+        const bool clip = read->form->kind == DAFT_ITEM_MESH && next_is(read->text, "clip");
+        if (!clip && (read->form->fields == DAFT_STRUCT_COUNT || option_length(read->text) == 0)) return true;
+        if (!(clip ? read_clip(read) : read_option(read))) return false;
+    }
 }
 
 /* ---- items ---- */
@@ -385,7 +411,9 @@ static bool read_values(reader *read)
     size_t i = 0;
     for (; i < count; i++) {
         const value *v = &read->form->values[i];
-        if (v->optional && (daft_scene_text_ends(read->text) || option_length(read->text) > 0)) break;
+        if (v->optional && (daft_scene_text_ends(read->text) || option_length(read->text) > 0 ||
+                            (read->form->kind == DAFT_ITEM_MESH && next_is(read->text, "clip"))))
+            break;
         if (!(v->path ? read_path(read, v->path) : v->preset ? read_preset(read) : read_field(read, v))) return false;
     }
     if (i < count && read->form->values[i].fraction > 0) {

@@ -26,6 +26,9 @@ typedef struct daft_scene_item {
     double time;        /* of a checkpoint, seconds */
     const char *path;   /* joined to the source's folder; or NULL */
     const char *name;   /* of an entity; or NULL */
+    const char *clip;   /* of a mesh, that it plays; or NULL */
+    int clip_column;
+    daft_animated *animated; /* made of it while loading, until the entity has it */
     union {
         daft_camera camera;
         daft_light_def light;

@@ -124,6 +124,21 @@ static bool check_checkpoint(loader *load, const item *named)
     return daft_check_camera(&load->error, "path", &named->camera);
 }
 
+/* The animation that the mesh's entity gets when all is loaded. */
+static bool load_clip(loader *load, item *named)
+{
+    daft_scene *scene = load->scene;
+    daft_play_def def = daft_default_play_def();
+    daft_error why;
+    if (!named->clip) return true;
+    if (!daft_mesh_find_clip(scene, named->entity.mesh, named->clip, &def.clip, &why))
+        return daft_fail_at(&load->error, DAFT_ERROR_SYNTAX, named->source, named->line, named->clip_column, "%s",
+                            why.message);
+    const daft_mesh_item *mesh = scene->assets.meshes[daft_asset_index(named->entity.mesh.id)];
+    named->animated = daft_animated_make(scene, mesh, &def, &load->error);
+    return named->animated != NULL;
+}
+
 static bool load_asset(loader *load, item *named)
 {
     daft_scene *scene = load->scene;
@@ -139,7 +154,7 @@ static bool load_asset(loader *load, item *named)
         entity->mesh = daft_mesh_load(scene, named->path, &load->error);
         if (!entity->mesh.id) return false;
         daft_mesh_release(scene, entity->mesh, NULL);
-        return daft_entity_check(scene, entity, &load->error);
+        return daft_entity_check(scene, entity, &load->error) && load_clip(load, named);
     case DAFT_ITEM_LIGHT: return daft_light_check(&named->light, &load->error);
     case DAFT_ITEM_CAMERA: return daft_check_camera(&load->error, "camera", &named->camera);
     case DAFT_ITEM_PATH: return check_checkpoint(load, named);
@@ -183,12 +198,19 @@ static void insert_entity(daft_scene *scene, const item *made)
     if (made->name) daft_name_insert(scene, entity);
 }
 
+static void insert_entity(daft_scene *scene, item *made)
+{
+    const daft_entity entity = daft_entity_insert(scene, &made->entity, DAFT_NONE, NULL);
+    if (made->animated) daft_animated_attach(scene, daft_handle_index(entity.id), made->animated);
+    made->animated = NULL;
+}
+
 /* Cannot fail. */
 static void commit(loader *load)
 {
     daft_scene *scene = load->scene;
     for (size_t i = 0; i < load->count; i++) {
-        const item *made = &load->items[i];
+        item *made = &load->items[i];
         switch (made->kind) {
         case DAFT_ITEM_CAMERA: daft_camera_insert(scene, &made->camera); break;
         case DAFT_ITEM_PATH: daft_path_insert(scene, &(daft_checkpoint){made->camera, made->time}); break;
@@ -237,6 +259,7 @@ bool daft_scene_load_watched(daft_scene *scene, const char *path, const daft_sce
         daft_assets_roll_back(scene, mark);
     if (done && watch) watch->loaded(watch->user, load.items, load.count);
     daft_sky_item_free(scene, load.sky);
+    for (size_t i = 0; i < load.count; i++) daft_animated_free(scene, load.items[i].animated);
     daft_release(scene->allocator, load.items);
     daft_arena_free(&load.arena);
     if (!done && error) *error = load.error;

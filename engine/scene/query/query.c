@@ -51,11 +51,11 @@ static bool cache_build(daft_scene *scene, daft_dvec3 origin, daft_error *error)
     daft_query_cache *cache = &scene->query;
     cache->valid = false;
     daft_arena_reset(&cache->arena);
-    daft_instance *instances;
-    if (!daft_snapshot_instances(scene, origin, 1, scene->engine->accel == DAFT_ACCEL_KDTREE, &cache->arena, &instances,
-                                 &cache->instance_count, error))
-        return false;
-    cache->instances = instances;
+    daft_listing listing = {
+        .origin = origin, .alpha = 1, .kdtrees = scene->engine->accel == DAFT_ACCEL_KDTREE, .arena = &cache->arena};
+    if (!daft_snapshot_instances(scene, &listing, error)) return false;
+    const daft_instance *instances = listing.instances;
+    cache->instances = instances, cache->instance_count = listing.count;
     cache->instance_of = daft_arena_alloc(&cache->arena, scene->entity_slots.count, sizeof *cache->instance_of);
     if (!cache->instance_of) return daft_fail_memory(error, "a ray query");
     for (uint32_t i = 0; i < scene->entity_slots.count; i++) cache->instance_of[i] = DAFT_NONE;
@@ -237,8 +237,10 @@ static void own_bounds(const daft_scene *scene, const daft_entity_item *item, da
 {
     double r = (double)item->def.radius;
     if (item->def.shape == DAFT_SHAPE_MESH) {
-        const daft_trimesh *mesh = &scene->assets.meshes[daft_asset_index(item->def.mesh.id)]->mesh;
-        *low = daft_to_double(mesh->low), *high = daft_to_double(mesh->high);
+        const daft_mesh_item *mesh = scene->assets.meshes[daft_asset_index(item->def.mesh.id)];
+        daft_vec3 a = mesh->mesh.low, b = mesh->mesh.high;
+        if (item->animated) daft_animated_bounds(item->animated, mesh->rig, &a, &b);
+        *low = daft_to_double(a), *high = daft_to_double(b);
     } else if (item->def.shape == DAFT_SHAPE_SPHERE) {
         *low = daft_dv3(-r, -r, -r), *high = daft_dv3(r, r, r);
     } else {

@@ -1,4 +1,5 @@
 /* daft.entity and the methods of entities. */
+#include "lua/tables/animation.h"
 #include "lua/tables/body.h"
 
 #include "common/util.h"
@@ -67,6 +68,7 @@ static const api_special SPECIALS[] = {
     {.name = "hits", .read = api_read_hits, .value = "name or names"},
     {.name = "velocity", .value = "{x, y, z}, m/s", .doc = "Of a body that moves"},
     {.name = "angular_velocity", .value = "{x, y, z}, rad/s", .doc = "Of a body that moves"},
+    {.name = "clip", .value = "name or number", .doc = "The clip of its mesh that it plays, looped: see e:play"},
     {.name = "name", .value = "string", .doc = "e.name can be read and set; daft.find finds it"},
     {.name = "tags", .value = "name or list of names", .doc = "What it is, for e:has_tag and daft.find"},
     {.name = "data", .value = "anything", .doc = "e.data can be read and set"}};
@@ -88,10 +90,14 @@ static int create(lua_State *L, host *h)
         api_error(L, h, "velocity: only a body that is \"dynamic\" or \"kinematic\" has one");
     if (api_field(L, 1, "name")) api_text(L, h, -1, "name");
     if (api_field(L, 1, "tags")) api_check_tags(L, h, -1);
+    const bool plays = api_field(L, 1, "clip");
+    if (plays && def.shape != DAFT_SHAPE_MESH) api_error(L, h, "clip: only a mesh has clips");
+    const daft_play_def clip = plays ? api_read_play(L, h, -1, def.mesh) : daft_default_play_def();
     daft_error error;
     daft_entity entity = daft_entity_create(h->def.scene, &def, &error);
     if (entity.id == 0) api_engine_error(L, h, &error);
-    if ((moves || turns) && !daft_entity_set_velocity(h->def.scene, entity, linear, angular, &error)) {
+    if (((moves || turns) && !daft_entity_set_velocity(h->def.scene, entity, linear, angular, &error)) ||
+        (plays && !daft_entity_play(h->def.scene, entity, &clip, &error))) {
         daft_entity_destroy(h->def.scene, entity, NULL);
         api_engine_error(L, h, &error);
     }

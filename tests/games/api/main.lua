@@ -10,6 +10,33 @@ end
 local ball, floor, child, sun, light
 local drawn = 0
 
+-- What clips do is told by e:animation() alone.
+local function animation()
+    expect_error("the entity shows no mesh", floor.clips, floor)
+    local good, mesh = pcall(daft.mesh, "meshes/figure.glb")
+    if not good then return end -- this build has no Assimp
+    local figure = daft.entity { mesh = mesh, clip = "walk" }
+    local clips = figure:clips()
+    assert(#clips == 4 and clips[2].name == "walk" and near(clips[2].duration, 1))
+    local now = figure:animation()
+    assert(now.clip == "walk" and now.time == 0 and now.loop and now.playing and now.weight == 1 and now.speed == 1)
+    figure:animation_time(2.25)
+    assert(near(figure:animation().time, 0.25))
+    figure:play("walk", { speed = 2 }) -- goes on
+    assert(near(figure:animation().time, 0.25) and figure:animation().speed == 2)
+    figure:play(3, { blend = 0.5, start = 0.1, loop = false })
+    now = figure:animation()
+    assert(now.clip == "run" and now.weight == 0 and near(now.time, 0.1) and not now.loop)
+    expect_error("it has idle, walk, run, wave", figure.play, figure, "wolk")
+    expect_error("speed", figure.play, figure, "walk", { sped = 2 })
+    expect_error("4 clips", figure.play, figure, 5)
+    expect_error("only a mesh has clips", daft.entity, { box = { 1, 1, 1 }, clip = "walk" })
+    figure:stop()
+    assert(figure:animation() == nil)
+    expect_error("plays no clip", figure.animation_time, figure, 1)
+    figure:destroy()
+end
+
 local function entities()
     floor = daft.entity { box = { 20, 1, 20 }, position = { 0, -0.5, 0 }, material = "checker", body = "static", name = "floor" }
     ball = daft.entity { sphere = 0.5, position = { 0, 0.5, 0 }, mass = 2, body = "dynamic", material = { mirror = 0.8 },
@@ -229,7 +256,7 @@ local function messages()
 end
 
 function daft.load()
-    entities() rotations() lights() cameras() materials() rays() queries() bodies() messages()
+    entities() animation() rotations() lights() cameras() materials() rays() queries() bodies() messages()
     assert(daft.tick() == 0 and daft.time() == 0)
     assert(daft.height() == 720 and daft.width() > 300)
     font = daft.font("fonts/daft.ttf")

@@ -88,7 +88,7 @@ static void good_arguments_are_taken(void **state)
         caller c = {.folder = folder};
         caller_open(&c);
         caller_make(&c, i);
-        if (CALLS[i].reports && c.error.code != DAFT_OK)
+        if (CALLS[i].reports && c.error.code != DAFT_OK && c.said == VERDICT_GOOD)
             fail_msg("%s: error %d '%s'", CALLS[i].function, (int)c.error.code, c.error.message);
         caller_close(&c);
     }

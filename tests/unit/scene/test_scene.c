@@ -168,13 +168,22 @@ static void singular_transforms_are_skipped(void **state)
     assert_non_null(strstr(f->last_warning.message, "singular"));
 }
 
+static bool list_instances(daft_scene *scene, daft_dvec3 origin, float alpha, daft_arena *arena,
+                           daft_instance **instances, uint32_t *count)
+{
+    daft_listing listing = {.origin = origin, .alpha = alpha, .arena = arena};
+    const bool done = daft_snapshot_instances(scene, &listing, NULL);
+    *instances = listing.instances, *count = listing.count;
+    return done;
+}
+
 static uint32_t flags_from(fixture *f, double x)
 {
     daft_arena arena;
     daft_instance *instances;
     uint32_t count;
     daft_arena_init(&arena, f->scene->allocator);
-    assert_true(daft_snapshot_instances(f->scene, daft_dv3(x, 0, 0), 1, false, &arena, &instances, &count, NULL));
+    assert_true(list_instances(f->scene, daft_dv3(x, 0, 0), 1, &arena, &instances, &count));
     assert_int_equal(count, 1);
     uint32_t flags = instances[0].flags;
     daft_arena_free(&arena);
@@ -263,7 +272,7 @@ static void many_things_in_a_frame(void **state)
     daft_instance *instances;
     daft_arena_init(&arena, f->scene->allocator);
     for (int repeat = 0; repeat < 2; repeat++) {
-        assert_true(daft_snapshot_instances(f->scene, daft_dv3(0.1, 2, 3), 1, false, &arena, &instances, &count, NULL));
+        assert_true(list_instances(f->scene, daft_dv3(0.1, 2, 3), 1, &arena, &instances, &count));
         assert_int_equal(count, expected);
     }
     int warnings = f->warnings;
@@ -297,7 +306,7 @@ static float drawn_x(fixture *f, float alpha)
     daft_instance *instances;
     uint32_t count;
     daft_arena_init(&arena, f->scene->allocator);
-    assert_true(daft_snapshot_instances(f->scene, daft_dv3(0, 0, 0), alpha, false, &arena, &instances, &count, NULL));
+    assert_true(list_instances(f->scene, daft_dv3(0, 0, 0), alpha, &arena, &instances, &count));
     assert_int_equal(count, 1);
     float x = instances[0].to_frame.t[0];
     daft_arena_free(&arena);

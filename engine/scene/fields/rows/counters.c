@@ -26,6 +26,8 @@ static const daft_field ROWS[] = {
     ROW(shadow_points_kept, .doc = "Lit points under some occluder's bound: the only ones that cast a ray"),
     ROW(mesh_builds, .doc = "BVHs built since the scene was made"),
     ROW(mesh_refits, .doc = "BVHs fitted to moved vertices since the scene was made"),
+    ROW(poses, .doc = "Clips sampled and skins moved, for pictures and for rays, since the scene was made"),
+    ROW(poses_unseen, .doc = "Poses that pictures went without, since nothing that the clips reach was in sight"),
     ROW(instance_updates, .doc = "Frames since the scene was made that rebuilt the list of instances"),
     DAFT_OTHER_ROW(daft_counters, effects,
                    .doc = "What each effect did: whether it ran, why, its tiles, rays, bytes, ms"),
