@@ -156,8 +156,8 @@ end
 -- Whether someone has fallen: lower by a step, or more lying than standing.
 local function fallen(who)
     local _, y = who.body:position()
-    local qx, _, qz = who.body:rotation()
-    return y < who.y - 0.7 or 1 - 2 * (qx * qx + qz * qz) < 0.5
+    local _, up = who.body:up()
+    return y < who.y - 0.7 or up < 0.5
 end
 
 -- Calls fell(who) for each king and lady who has fallen since the last time.
@@ -195,10 +195,9 @@ function blocks.update()
     for _, rope in ipairs(ropes) do
         local x, y, z = rope.body:position()
         local dx, dy, dz = x - rope.from[1], y - rope.from[2], z - rope.from[3]
-        local flat = math.sqrt(dx * dx + dz * dz)
         rope.line:position(x - dx / 2, y - dy / 2, z - dz / 2)
-        rope.line:rotation(math.atan(dz, dx), -math.atan(dy, flat), 0)
-        rope.line:scale(math.sqrt(flat * flat + dy * dy), 1, 1)
+        rope.line:look_at(rope.body)
+        rope.line:scale(math.sqrt(dx * dx + dy * dy + dz * dz), 1, 1)
     end
 end
 

@@ -1,12 +1,14 @@
 -- Where one looks from: round the title, over the level at its start, behind the catapult, after the shot.
 
+local camera = require "camera"
+
 local cameras = {}
 
 local FOV = math.rad(62)
 
 local from, at                   -- where the camera is, and looks
 local goal_from, goal_at, haste  -- where they go, and 1/s
-local path                       -- a flight: list of {from, at}, seconds, seconds gone
+local ride                       -- over the level at its start
 local shake = 0                  -- metres
 cameras.shaking = true           -- a setting
 
@@ -14,18 +16,8 @@ local function mix(a, b, t)
     return { a[1] + (b[1] - a[1]) * t, a[2] + (b[2] - a[2]) * t, a[3] + (b[3] - a[3]) * t }
 end
 
--- Catmull-Rom between b and c.
-local function spline(a, b, c, d, t)
-    local p = {}
-    for i = 1, 3 do
-        p[i] = 0.5 * (2 * b[i] + (c[i] - a[i]) * t + (2 * a[i] - 5 * b[i] + 4 * c[i] - d[i]) * t * t
-            + (3 * b[i] - a[i] - 3 * c[i] + d[i]) * t * t * t)
-    end
-    return p
-end
-
 local function go(f, a, speed, jump)
-    goal_from, goal_at, haste, path = f, a, speed, nil
+    goal_from, goal_at, haste, ride = f, a, speed, nil
     if jump or not from then from, at = f, a end
 end
 
@@ -46,19 +38,18 @@ function cameras.fly(view, catapult)
     local x, y, z, far = view[1], view[2], view[3], view[4] * 0.7 + 7
     local look = { x, y, z }
     local home, ahead = behind(catapult, view)
-    path = { time = 0, seconds = 5.5,
-        { { x + far, y + far * 0.7, z + far * 0.4 }, look },
-        { { x + far * 0.5, y + far * 0.4, z - far }, look },
-        { { x - far * 0.9, y + far * 0.25, z - far * 0.8 }, look },
-        { { -4, 7, -4 }, mix(look, ahead, 0.5) },
-        { home, ahead } }
-    from, at = path[1][1], path[1][2]
+    ride = camera.path { seconds = 5.5, ease = "in_out", fov = FOV, points = {
+        { position = { x + far, y + far * 0.7, z + far * 0.4 }, at = look },
+        { position = { x + far * 0.5, y + far * 0.4, z - far }, at = look },
+        { position = { x - far * 0.9, y + far * 0.25, z - far * 0.8 }, at = look },
+        { position = { -4, 7, -4 }, at = mix(look, ahead, 0.5) },
+        { position = home, at = ahead } } }
+    from, at = home, ahead
     goal_from, goal_at, haste = home, ahead, 6
-    cameras.jumped = true
 end
 
-function cameras.flying() return path ~= nil end
-function cameras.skip() path = nil end
+function cameras.flying() return ride ~= nil end
+function cameras.skip() ride = nil end
 
 function cameras.aim(catapult, view)
     local f, a = behind(catapult, view)
@@ -83,31 +74,19 @@ end
 
 function cameras.jolt(metres) shake = math.max(shake, metres) end
 
-local function fly(dt)
-    path.time = path.time + dt
-    local t = math.min(1, path.time / path.seconds)
-    local eased = t * t * (3 - 2 * t) * (#path - 1)
-    local i = math.min(#path - 1, math.floor(eased) + 1)
-    local a, b, c, d = path[math.max(1, i - 1)], path[i], path[i + 1], path[math.min(#path, i + 2)]
-    from = spline(a[1], b[1], c[1], d[1], eased - i + 1)
-    at = spline(a[2], b[2], c[2], d[2], eased - i + 1)
-    if t == 1 then path = nil end
-end
-
 function cameras.update(dt)
-    if path then
-        fly(dt)
-    else
-        local t = 1 - math.exp(-haste * dt)
-        from, at = mix(from, goal_from, t), mix(at, goal_at, t)
+    if ride then
+        if ride:update(dt) then ride = nil end
+        return
     end
+    local t = 1 - math.exp(-haste * dt)
+    from, at = mix(from, goal_from, t), mix(at, goal_at, t)
     local x, y, z = table.unpack(from)
     if cameras.shaking and shake > 0.005 then
         x, y, z = x, y + shake * math.sin(daft.tick() * 1.9), z + shake * math.sin(daft.tick() * 2.7)
     end
     shake = shake * 0.9
-    daft.camera.look { from = { x, math.max(y, 0.6), z }, at = at, fov = FOV, teleport = cameras.jumped }
-    cameras.jumped = false
+    daft.camera.look { from = { x, math.max(y, 0.6), z }, at = at, fov = FOV }
 end
 
 return cameras

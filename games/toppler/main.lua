@@ -16,6 +16,7 @@ local bot = require "bot"
 
 local PULL, TAP = 1.5, 0.06           -- seconds to pull the catapult all the way; less of a pull throws nothing
 local YAW, LOWEST, HIGHEST = math.rad(35), math.rad(-6), math.rad(78)
+local SLOW = 0.3                      -- how fast time goes at the last blow
 local SETTLED, LONGEST = 2.2, 8       -- seconds after a throw in which nothing is decided, and after which all is
 
 local game = { state = "title", note = "", note_left = 0 }
@@ -37,6 +38,7 @@ end
 
 local function build(number)
     if flow then daft.cancel(flow) end
+    daft.time_scale(1)
     flow, ball = nil, nil
     blocks.clear()
     if game.ball then game.ball:destroy() end
@@ -130,6 +132,14 @@ local function finish()
         game.points, game.stars))
 end
 
+-- In a task: the last king falls, or the lady, for all to see.
+local function slow_motion()
+    daft.time_scale(SLOW)
+    wait(1.6 * SLOW)
+    daft.time_scale(1)
+    wait(0.7)
+end
+
 local function run()
     game.state = "fly"
     cameras.fly(game.level.view, catapult)
@@ -143,7 +153,7 @@ local function run()
         if not over() then throw(kind) end
         if over() then break end
     end
-    if over() then wait(1.6) end
+    if over() then slow_motion() end
     finish()
 end
 
@@ -233,8 +243,9 @@ function daft.load()
     title()
 end
 
+local events = {}
 local function impacts()
-    for _, event in ipairs(daft.events()) do
+    for _, event in ipairs(daft.events(events)) do
         if event.kind == "begin" and event.speed > 1 then
             sounds.hit(event)
             local a, b = event.a, event.b
