@@ -3,11 +3,14 @@
 
 enum { STREAM = 256 }; /* rays that are asked together */
 
-static daft_ray ray_of(const daft_ray_batch *rays, uint32_t i)
+/* Member by member: a ray made of parts elsewhere and copied here waits until its parts are stored. */
+static void put_ray(daft_ray *out, const daft_ray_batch *rays, uint32_t i)
 {
-    return (daft_ray){.origin = {rays->origin.x[i], rays->origin.y[i], rays->origin.z[i]},
-                      .direction = {rays->direction.x[i], rays->direction.y[i], rays->direction.z[i]},
-                      .tmax = INFINITY};
+    out->origin.x = rays->origin.x[i], out->origin.y = rays->origin.y[i], out->origin.z = rays->origin.z[i];
+    out->tmin = 0;
+    out->direction.x = rays->direction.x[i], out->direction.y = rays->direction.y[i];
+    out->direction.z = rays->direction.z[i];
+    out->tmax = INFINITY;
 }
 
 /* What the rays first.. of a batch hit; gives how many they are. `shown`: bits of the planar mirrors that know it of
@@ -21,10 +24,10 @@ static uint32_t trace_some(const tile_job *j, const daft_ray_batch *rays, uint32
     for (uint32_t i = 0; i < count; i++) {
         if (shown && daft_mirrors_hit(j->frame, shown, j->worker, &j->s->tile, rays, first + i, &hits[i])) continue;
         place[asked] = i;
-        stream[asked++] = ray_of(rays, first + i);
+        put_ray(&stream[asked++], rays, first + i);
     }
-    j->r->accel->closest_stream(j->frame->tlas, stream, asked, UINT32_MAX, found);
-    for (uint32_t i = 0; i < asked; i++) hits[place[i]] = found[i];
+    j->r->accel->closest_stream(j->frame->tlas, stream, asked, UINT32_MAX, shown ? found : hits);
+    for (uint32_t i = 0; shown && i < asked; i++) hits[place[i]] = found[i];
     return count;
 }
 
