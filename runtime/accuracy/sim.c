@@ -44,8 +44,9 @@ static bool note_tick(const sim_work *w, int tick, sim_trace *out, daft_error *e
 {
     daft_sim_measure m;
     for (uint32_t i = 0; i < w->count; i++) {
-        daft_dvec3 *at = &out->positions[(size_t)tick * w->count + i];
-        if (!daft_entity_get_world_position(w->result->def.scene, w->bodies[i], at, error)) return false;
+        daft_transform at;
+        if (!daft_entity_get_world_transform(w->result->def.scene, w->bodies[i], &at, error)) return false;
+        out->positions[(size_t)tick * w->count + i] = at.position;
     }
     if (!daft_scene_measure_sim(w->result->def.scene, &m, error)) return false;
     out->energy[tick] = m.energy;
