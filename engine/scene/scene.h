@@ -514,7 +514,7 @@ typedef struct daft_listing {
     daft_dvec3 origin;
     float alpha;
     const daft_sight *sight; /* of a picture; NULL: for rays, which go anywhere */
-    bool kdtrees; /* the instances have them; those that are missing are built */
+    bool kdtrees;            /* the instances have them; those that are missing are built */
     daft_arena *arena;
     daft_instance *instances; /* out */
     uint32_t count, unseen;   /* out; unseen: animated entities that are left out, as the picture cannot show them */

@@ -16,7 +16,7 @@ static daft_vec3 plane(daft_vec3 forward, daft_vec3 side, double slope)
 
 static bool rays_go_anywhere(const daft_scene *scene, const daft_view *view)
 {
-    if (view->mirror_depth == 0 && view->refraction_depth == 0) return false;
+    if (view->quality.mirror_depth == 0 && view->quality.refraction_depth == 0) return false;
     for (uint32_t i = 0; i < scene->assets.material_slots.count; i++) {
         const daft_surface *s = &scene->assets.surfaces[i];
         if (s->mirror.x > 0 || s->mirror.y > 0 || s->mirror.z > 0 || s->transmission > 0) return true;
@@ -36,7 +36,7 @@ void daft_sight_make(const daft_scene *scene, const daft_view *view, int width, 
     out->planes[4] = forward;
     out->margin = view->without & DAFT_WITHOUT_SHADING ? 0 : scene->occlusion;
     out->anywhere = rays_go_anywhere(scene, view);
-    out->shadows = view->shadows != 0 && !(view->without & DAFT_WITHOUT_SHADING);
+    out->shadows = view->quality.shadows && !(view->without & DAFT_WITHOUT_SHADING);
     out->origin = view->camera.position;
 }
 

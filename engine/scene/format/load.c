@@ -192,15 +192,10 @@ static bool reserve(loader *load)
            daft_entities_reserve(load->scene, entities, &load->error) && reserve_names(load);
 }
 
-static void insert_entity(daft_scene *scene, const item *made)
-{
-    const daft_entity entity = daft_entity_insert(scene, &made->entity, DAFT_NONE, NULL);
-    if (made->name) daft_name_insert(scene, entity);
-}
-
 static void insert_entity(daft_scene *scene, item *made)
 {
     const daft_entity entity = daft_entity_insert(scene, &made->entity, DAFT_NONE, NULL);
+    if (made->name) daft_name_insert(scene, entity);
     if (made->animated) daft_animated_attach(scene, daft_handle_index(entity.id), made->animated);
     made->animated = NULL;
 }

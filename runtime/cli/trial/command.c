@@ -91,7 +91,7 @@ static int test_game(trials *t, const char *game, cli_size size, long threads)
 
 int command_test_game(int argc, char **argv)
 {
-    trials t = {.quality = DAFT_QUALITY_GAME};
+    trials t = {.quality = DAFT_PRESET_GAME};
     cli_size size = {320, 180};
     long ticks = 3600, threads = 0;
     const cli_option options[] = {

@@ -8,17 +8,17 @@
 #include <string.h>
 
 typedef struct outcome {
-    char why[HOST_MESSAGE + HOST_TRACE]; /* empty: passed */
+    char why[FAILURE_TEXT]; /* empty: passed */
     uint64_t ticks;
 } outcome;
 
 static void fail_script(outcome *out, const game_state *play)
 {
-    const host *scripts = &play->scripts;
-    size_t used = (size_t)snprintf(out->why, sizeof out->why, "%s", scripts->message);
-    if (!scripts->trace[0]) return;
-    for (const char *at = scripts->trace; *at && used + 8 < sizeof out->why; at++) { /* indented */
-        if (at == scripts->trace || at[-1] == '\n')
+    const failure *told = &play->scripts.failure;
+    size_t used = (size_t)snprintf(out->why, sizeof out->why, "%s", told->message);
+    if (!told->trace[0]) return;
+    for (const char *at = told->trace; *at && used + 8 < sizeof out->why; at++) { /* indented */
+        if (at == told->trace || at[-1] == '\n')
             used += (size_t)snprintf(out->why + used, sizeof out->why - used, "%s      ", used ? "\n" : "");
         if (*at != '\n') out->why[used++] = *at, out->why[used] = 0;
     }
@@ -104,7 +104,7 @@ bool trials_run_file(trials *t, const char *file, daft_error *error)
                           .source = &t->source,
                           .engine = t->engine,
                           .face = t->face,
-                          .quality = t->quality,
+                          .quality = {.preset = t->quality},
                           .seed = 1};
     trial self = {.count = 1};
     for (size_t wanted = 0; wanted < self.count; wanted++) {

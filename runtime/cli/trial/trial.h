@@ -14,7 +14,7 @@ typedef struct trials {
     daft_engine *engine;
     font *face;
     daft_image *picture;
-    daft_quality quality;
+    daft_preset quality;
     uint64_t max_ticks; /* that a test may take */
     const char *filter; /* part of "file: name"; NULL: all */
     bool update;        /* pictures that are not there, or differ, are written */

@@ -169,7 +169,7 @@ static bool run_game(peer *p, const options *o, daft_engine *engine)
     bool good = face && game_open(&game, &def, &error);
     if (good) {
         good = play_demo(p, o, engine, &game);
-        if (game.failed) fprintf(stderr, "daft_llvmpipe: %s\n", game.scripts.message);
+        if (game.failed) fprintf(stderr, "daft_llvmpipe: %s\n", game.scripts.failure.message);
         game_close(&game);
     } else {
         report_error(&error);

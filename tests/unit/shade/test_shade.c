@@ -187,7 +187,7 @@ static void texture_twin(void **unused)
         b->v[i] = (float)i / DAFT_BATCH, b->footprint[i] = exp2f((float)(i % 100) / 12) / 40;
     }
     for (int isa = 0; isa <= daft_isa_best(); isa++) {
-        assert_true(daft_shade_kernels_for(isa)->albedo(b, &material, &texture));
+        assert_true(daft_shade_kernels_for(isa)->albedo(b, &material, &texture, DAFT_TEXTURE_TRILINEAR));
         const float *const got[3] = {b->albedo.x, b->albedo.y, b->albedo.z};
         for (int i = 0; i < DAFT_BATCH; i++)
             for (int k = 0; k < 3; k++) {
