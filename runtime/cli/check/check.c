@@ -1,6 +1,6 @@
 /* daft check: loads each file as the engine would and applies further checks. Folders are walked in alphabetical order;
  * a folder with a main.lua is a game, which also runs for one second. */
-#include "cli/check/check.h"
+#include "cli/check/names.h"
 
 #include "cli/cli.h"
 #include "cli/commands.h"
@@ -64,6 +64,25 @@ static void folder_of_script(const char *path, char out[PATH_SIZE])
     } while (to_parent(above));
 }
 
+/* For what is known once all files are. Where memory runs out, one is not looked for. */
+static void keep_path(checker *c, const char *path)
+{
+    if (c->own_count == c->own_capacity) {
+        size_t more = c->own_capacity ? 2 * c->own_capacity : 64;
+        char **grown = realloc(c->own, more * sizeof *grown);
+        if (!grown) return;
+        c->own = grown, c->own_capacity = more;
+    }
+    c->own[c->own_count] = strdup(path);
+    c->own_count += c->own[c->own_count] != NULL;
+}
+
+static bool is_heard(const char *path)
+{
+    return has_extension(path, ".wav") || has_extension(path, ".ogg") || has_extension(path, ".flac") ||
+           has_extension(path, ".mp3");
+}
+
 static void check_file(checker *c, const char *path, const game_info *game)
 {
     c->path = path;
@@ -82,6 +101,36 @@ static void check_file(checker *c, const char *path, const game_info *game)
 
 /* ---- folders ---- */
 
+static int is_module(const struct dirent *entry)
+{
+    return entry->d_name[0] != '.' && has_extension(entry->d_name, ".lua");
+}
+
+static void take_library(checker *c)
+{
+    struct dirent **entries;
+    int count = scandir(c->where.scripts, &entries, is_module, alphasort);
+    for (int i = 0; i < count; i++) {
+        char path[PATH_SIZE];
+        if (path_join(path, sizeof path, c->where.scripts, entries[i]->d_name)) check_library(c, path);
+        free(entries[i]);
+    }
+    if (count >= 0) free(entries);
+}
+
+/* Once all is read and the game has run: names that nothing has, and files that nothing names. */
+static void check_whole(checker *c, const game_info *info)
+{
+    c->path = info->folder;
+    names_report(c->names, c);
+    check_unused(c);
+    for (size_t i = 0; i < c->own_count; i++) free(c->own[i]);
+    free(c->own);
+    c->own = NULL, c->own_count = c->own_capacity = 0;
+    names_destroy(c->names);
+    c->names = NULL;
+}
+
 static void check_game(checker *c, const game_info *info)
 {
     daft_error error;
@@ -90,9 +139,12 @@ static void check_game(checker *c, const game_info *info)
         return;
     }
     daft_engine_set_files(c->engine, c->game.files, NULL);
+    c->names = names_create();
+    if (c->names) take_library(c);
     check_folder(c, info->folder, info);
     c->path = info->folder;
     check_run_game(c, info);
+    if (c->names) check_whole(c, info);
     daft_engine_set_files(c->engine, NULL, NULL);
     source_close(&c->game);
 }
@@ -112,6 +164,7 @@ static void check_entry(checker *c, const char *path, const game_info *game)
 {
     struct stat info;
     if (lstat(path, &info) != 0) return;
+    if (c->names && S_ISREG(info.st_mode) && (extension_of(path) || is_heard(path))) keep_path(c, path);
     if (S_ISDIR(info.st_mode)) /* symbolic links to folders are not followed: they may form cycles */
         enter_folder(c, path, game);
     else if (extension_of(path) && path_is_file(path))

@@ -19,12 +19,15 @@ typedef struct checker {
     bool has_home;
     game_source game; /* of the game whose folder is being checked; no files: none */
     size_t files, errors, warnings, notes;
-    draft_file json;   /* its file is NULL where no report is wanted */
+    draft_file json;     /* its file is NULL where no report is wanted */
+    struct names *names; /* that the scripts of this game use; or NULL */
+    char **own;          /* the game's files */
+    size_t own_count, own_capacity;
     uint64_t *printed; /* hashes of the lines printed */
     size_t printed_count, printed_capacity;
 } checker;
 
-/* ---- check_report.c ---- */
+/* ---- report.c ---- */
 
 void check_add(checker *c, daft_severity severity, const char *file, int line, int column, const char *format, ...)
     __attribute__((format(printf, 6, 7)));
@@ -35,12 +38,20 @@ void check_warning(void *user, const daft_error *warning);
 bool check_json_open(checker *c, daft_error *error);
 bool check_json_close(checker *c, const char *path, daft_error *error);
 
-/* ---- check_lua.c ---- */
+/* ---- lua.c ---- */
 
 /* Checks syntax, required modules and named assets. `folder` is the game's. */
 void check_lua(checker *c, const char *path, const char *folder);
 
-/* ---- check_game.c ---- */
+/* Takes what a module of the library gives its tables. */
+void check_library(checker *c, const char *path);
+
+/* ---- unused.c ---- */
+
+/* Notes files of c->own that nothing names. c->path is the game's folder. */
+void check_unused(checker *c);
+
+/* ---- game.c ---- */
 
 bool check_need_home(checker *c);
 void check_recording(checker *c, const char *path, const char *game);

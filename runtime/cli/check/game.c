@@ -1,5 +1,5 @@
 /* Checks recordings against their game, and runs a game for one second. */
-#include "cli/check/check.h"
+#include "cli/check/names.h"
 
 #include "cli/commands.h"
 #include "game/game.h"
@@ -78,7 +78,9 @@ static void run_on(checker *c, daft_engine *engine, const game_info *info)
     if (!picture || !game_open(&play, &def, &error)) {
         check_problem(c, DAFT_SEVERITY_ERROR, &error);
     } else {
-        if (!run(&play, picture)) report_script_error(c, info, play.scripts.failure.message);
+        const bool good = run(&play, picture);
+        if (good && c->names) names_take_globals(c->names, play.scripts.L);
+        if (!good) report_script_error(c, info, play.scripts.failure.message);
         game_close(&play);
     }
     daft_image_destroy(picture);

@@ -2,7 +2,7 @@
  *
  * A string names a file by its extension ("meshes/cup.obj") or by the field it is assigned to (mesh = "cup.obj",
  * texture = "brick"). Strings joined with .. or holding a % are skipped. */
-#include "cli/check/check.h"
+#include "cli/check/names.h"
 
 #include "common/util.h"
 
@@ -39,6 +39,8 @@ static void check_syntax(checker *c, const char *path, const char *text, size_t 
         int line;
         message = split_message(message ? message : "syntax error", &line);
         check_add(c, DAFT_SEVERITY_ERROR, path, line, 0, "%s", message);
+    } else if (c->names) {
+        names_take(c->names, L, path, false);
     }
     lua_close(L);
 }
@@ -250,5 +252,15 @@ void check_lua(checker *c, const char *path, const char *folder)
     check_syntax(c, path, text, size);
     script s = {c, path, folder, text};
     if (c->errors == before) check_strings(&s, size);
+    free(text);
+}
+
+void check_library(checker *c, const char *path)
+{
+    size_t size;
+    char *text = daft_read_file(c->game.files, path, &size, NULL);
+    lua_State *L = text ? luaL_newstate() : NULL;
+    if (L && luaL_loadbufferx(L, text, size, "@x", "t") == LUA_OK) names_take(c->names, L, path, true);
+    if (L) lua_close(L);
     free(text);
 }

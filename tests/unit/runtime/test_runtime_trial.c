@@ -161,6 +161,9 @@ static void pictures_are_compared_within_what_is_allowed(void **unused)
     snprintf(text, sizeof text, OTHER, ", { max = 1, mean = 0.0001 }");
     assert_status(try_tests(text, ""), 1, output);
     assert_says(output, "(0.0001 allowed)");
+    assert_status(try_tests(text, "--update"), 0, output);
+    assert_says(output, "1 picture written");
+    assert_status(try_tests(text, ""), 0, output);
     assert_status(try_tests(LIKE, "--size 64x64"), 1, output);
     assert_says(output, "has 64x64 pixels, not 320x180");
 }
