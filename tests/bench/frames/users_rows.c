@@ -61,7 +61,7 @@ void users_read_times(const char *json, users_frames *out)
 #ifdef DAFT_LLVMPIPE
 void users_peer(bench *self, const char *kind, const char *name, int threads, bool smooth, users_frames *best)
 {
-    char command[1200], answer[1024];
+    char command[1200], answer[1 << 14]; /* games print, too */
     if (!self->peers) return;
     snprintf(command, sizeof command, "'%s' %s '%s' --threads %d%s", DAFT_LLVMPIPE, kind, name, threads,
              smooth ? " --antialiased" : "");
