@@ -17,6 +17,7 @@
 ---@field draw? fun()
 ---@field keypressed? fun(key: string)
 ---@field keyreleased? fun(key: string)
+---@field textinput? fun()
 daft = {}
 
 daft.query = {}
@@ -66,6 +67,9 @@ local image = {}
 ---@class daft.stream
 local stream = {}
 
+---@class daft.particles
+local particles = {}
+
 ---@class daft.picture
 local picture = {}
 
@@ -107,6 +111,7 @@ local voice = {}
 ---@field sleeps? boolean Whether it may fall asleep at rest; true unless given
 ---@field velocity? daft.vector Of a body that moves
 ---@field angular_velocity? daft.vector Of a body that moves
+---@field clip? string|number The clip of its mesh that it plays, looped: see e:play
 ---@field name? string e.name can be read and set; daft.find finds it
 ---@field tags? string|table What it is, for e:has_tag and daft.find
 ---@field data? any e.data can be read and set
@@ -217,6 +222,32 @@ local voice = {}
 ---@field fov? number The horizontal angle of view, below pi (number, rad, 1e-06 to 3.1415); 1.5707964 unless given
 ---@field time? number When; in ascending order (number, s)
 
+---@class daft.quality.options
+---@field scale? number Sides of the drawn picture, relative to the shown one (number, 0.1 to 1); 1 unless given
+---@field upscale? "bilinear"|"bicubic"|"nearest" How a picture that is drawn smaller is enlarged; "bilinear" unless given
+---@field visibility? "exact"|"watertight"|"fast" How rays and triangles meet; "exact" unless given
+---@field tree? "raster"|"bvh"|"kdtree" What camera rays are found by; the picture is the same; "raster" unless given
+---@field samples? number Samples of a pixel (number, 1, 4, 8 or 16); 1 unless given
+---@field edge_samples? number More samples where neighbours differ: 4, the corners, at outlines and creases; 16 at edges of shadows and in mirrors, too (number, 0, 4 or 16); 4 unless given
+---@field shadows? boolean Whether lights cast shadows; true unless given
+---@field shadow_samples? number Rays to a light that has a size; 0: its shadows are sharp (number, 0 to 64); 1 unless given
+---@field occlusion_samples? number Rays around a point, where the scene has ambient occlusion; 0: none (number, 0 to 64); 1 unless given
+---@field mirror_depth? number Mirror bounces followed (number, 0 to 32); 2 unless given
+---@field refraction_depth? number Surfaces that a path which passes through some may meet (number, 0 to 32); 12 unless given
+---@field min_weight? number Mirrored and refracted rays that weigh less in all colours are not cast (number, 0 to 1); 0.00048828125 unless given
+---@field glossy_samples? number Rays that a rough surface sends on; 0: none is rough (number, 0 to 64); 1 unless given
+---@field texture_filter? "trilinear"|"mipmap"|"bilinear"|"nearest" What a texture's colour at a point is made of; "trilinear" unless given
+---@field denoise? boolean Whether what is sampled is filtered; true unless given
+---@field preset? "draft"|"game"|"high"|"reference" Sets all knobs to those of a preset, before the others are set
+---@field target_ms? number What a frame may take, by pictures that are less exact where they must be; 0: whatever it takes. What the player asked for goes first (number from 1 to 1000, or 0)
+
+---@class daft.entity.play.options
+---@field speed? number 1 plays it as it was made; below 0: backwards, from its end (number, -1000 to 1000); 1 unless given
+---@field blend? number In which the clip that plays passes over into it; 0, or where none plays: at once (number, s, 0 to 1000); 0 unless given
+---@field start? number Into the clip, from the end where speed is below 0 (number, s, 0 to 1e+06); 0 unless given
+---@field loop? boolean Begins anew at its end, or stays there; true unless given
+---@field restart? boolean A clip that plays already begins anew; else it goes on, with this speed; false unless given
+
 ---Makes an entity: at most one of mesh, sphere and box is drawn, and a body is simulated.
 ---@param options daft.entity.options
 ---@return daft.entity
@@ -295,6 +326,28 @@ function entity:destroy() end
 ---False once it has been destroyed.
 ---@return boolean
 function entity:valid() end
+
+---Plays a clip of its mesh, by name or number. One that plays already goes on; from another the pose passes
+---over in `blend` seconds.
+---@param clip any
+---@param options? table
+function entity:play(clip, options) end
+
+---Back to the pose of the file.
+function entity:stop() end
+
+---The clips of its mesh: a list of {name = text, duration = seconds}.
+---@return table
+function entity:clips() end
+
+---What it plays: {clip = name, time =, duration =, speed =, weight =, loop =, playing =}, or nil. weight is below
+---1 while the pose passes over into it; playing is false once a clip that is not looped has ended.
+---@return any
+function entity:animation() end
+
+---Puts the clip that it plays at this time.
+---@param seconds number
+function entity:animation_time(seconds) end
 
 ---Where it is in the world, or puts it there; position is relative to its parent.
 ---@param x? number
@@ -581,6 +634,10 @@ function material:set(options) end
 ---@return daft.mesh
 function daft.mesh(options) end
 
+---Moves the corners: as many positions as it was made with. The normals are computed again unless given.
+---@param options table
+function mesh:set(options) end
+
 ---The lowest and highest coordinates.
 ---@return daft.vector
 ---@return daft.vector
@@ -690,6 +747,33 @@ function daft.input.pressed(key) end
 ---@return boolean
 function daft.input.released(key) end
 
+---Names what the player does, by up to 8 keys, buttons and sticks: daft.input.bind("walk", "right", "-left",
+---"left x"). A key counts as 1, with a minus before it as -1; of a stick, "+left x" is the right half. down,
+---pressed and released take an action's name too. The pause menu lets players choose other keys.
+---@param action any
+---@param input any
+---@param ... any
+function daft.input.bind(action, input, ...) end
+
+---The sum of its inputs, -1 to 1.
+---@param action any
+---@return number
+function daft.input.action(action) end
+
+---The player's key for it, to be shown: it differs from player to player, so only within daft.draw.
+---@param action any
+---@return any|nil
+function daft.input.key_of(action) end
+
+---daft.textinput(letter) hears of each letter that is typed, as UTF-8. It is recorded.
+---@param on boolean
+function daft.input.text(on) end
+
+---Shakes the gamepads: 0 to 1, up to 10 seconds.
+---@param strength any
+---@param seconds number
+function daft.input.rumble(strength, seconds) end
+
 ---Two keys as an axis.
 ---@param negative string
 ---@param positive string
@@ -766,7 +850,7 @@ function daft.text_width(string, size, font) end
 ---@return number
 function daft.text_height(string, width, size, font) end
 
----The picture is 720 units high and as wide as its shape makes it.
+---The picture is 720 units high and as wide as its shape makes it. Recorded.
 ---@return number
 function daft.width() end
 
@@ -925,9 +1009,10 @@ function daft.tick() end
 ---@return any
 function daft.scene(options) end
 
----Asks for frames that take at most so many milliseconds, by pictures that are less exact where they
----must be; 0: whatever they take. What the player asked for goes first. Nothing else changes.
----@param options table
+---Sets what a picture costs and how exact it is: preset =, target_ms = and knobs by name, such as samples =.
+---Gives them all. What the player asked for goes first. Pictures alone change, never the game.
+---@param options? daft.quality.options
+---@return any
 function daft.quality(options) end
 
 ---Starts the game afresh after this tick.
@@ -969,6 +1054,48 @@ function stream:seed(seed) end
 ---@param w? number
 ---@return number
 function daft.noise(x, y, z, w) end
+
+---Many small things that fly and are only seen: no ray and no body meets them. count = 1000: the most at once;
+---material; position: a place, or an entity that carries it; direction = {0, 1, 0}, spread = 0.5 radians around it;
+---area = 0: radius in which they begin; speed, life, size (radius): a number, or {from, to}; gravity = {0, 0, 0};
+---drag = 0; rate = 0 a second; shape = "round" or "quad"; seed.
+---@param options table
+---@return any
+function daft.particles(options) end
+
+---So many at once, as far as there is room.
+---@param count integer
+---@param place? daft.place
+function particles:burst(count, place) end
+
+---How many begin in a second.
+---@param rate? any
+---@return any
+function particles:rate(rate) end
+
+---Where they begin: a place, or an entity that carries them.
+---@param place daft.place
+function particles:position(place) end
+
+---Where they fly.
+---@param x number
+---@param y number
+---@param z number
+function particles:direction(x, y, z) end
+
+---How many there are now.
+---@return number
+function particles:count() end
+
+---Takes away those that fly.
+function particles:clear() end
+
+---Takes it out of the game.
+function particles:destroy() end
+
+---False once it has been destroyed.
+---@return boolean
+function particles:valid() end
 
 ---What a camera of the game sees, for the game to read; up to 1,048,576 pixels. It has no pixels until it is drawn.
 ---@param options table

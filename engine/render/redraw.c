@@ -10,8 +10,8 @@
  * and Wallace 1991), with intervals in place of planes. All tests err towards drawing, so the picture has the bytes of
  * a full one. Tiles beside these are drawn too, since antialiasing compares neighbours.
  *
- * Sampled light differs from picture to picture, so a frame with some is drawn in full until nothing has changed for as
- * long as pictures are averaged; then it is kept as it is. */
+ * Sampled light differs from picture to picture, so a frame with some is drawn in full until nothing has changed for
+ * twice as many pictures as are averaged; then it is kept as it is. */
 #include "render/redraw.h"
 
 #include "render/denoise.h"
@@ -383,7 +383,7 @@ static bool is_sampled(const daft_plan *plan) { return plan->samples_light || pl
 /* Of a picture that is as the one before. False: sampled light has not settled. */
 static bool settled(const daft_frame *frame)
 {
-    return !is_sampled(&frame->plan) || frame->kept->still >= (frame->plan.denoise ? DAFT_LONGEST_PAST : 1);
+    return !is_sampled(&frame->plan) || frame->kept->still >= (frame->plan.denoise ? 2 * DAFT_LONGEST_PAST : 1);
 }
 
 static bool find_changes(daft_frame *frame, changes *all, daft_error *error)

@@ -196,7 +196,7 @@ static void compare_with_tracer(stage *s, const world *w, const char *what)
         add(s, sphere(b->centre, (float)b->radius,
                       b->index > 0 ? glass(s, (float)b->index, b->color) : glowing(s, b->color)));
     }
-    s->view.quality.edge_samples = 0;
+    s->view.quality.samples = 1, s->view.quality.edge_samples = 0;
     draw(s);
     int looked = 0, far_off = 0;
     for (int i = 0; i < s->pixels; i++) {

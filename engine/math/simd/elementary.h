@@ -42,18 +42,21 @@ DAFT_INLINE vf vf_pow(vf base, vf exponent)
                            vf_if_then_else(vf_lt(vf_set(0), exponent), vf_set(0), vf_set(1)));
 }
 
-/* Absolute error below 5e-7; 0 for (0, 0). The coefficients are those of atanf in Moshier's Cephes library (1992). */
+/* Absolute error below 5e-7; 0 for (0, 0). */
 DAFT_INLINE vf vf_atan2(vf y, vf x)
 {
     vf ax = vf_abs(x), ay = vf_abs(y), zero = vf_set(0);
     vf large = vf_max(ax, ay), small = vf_min(ax, ay);
-    vm upper = vf_lt(vf_set(0.414213562f) * large, small); /* above tan(pi/8): turn by pi/4 */
-    vf over = vf_if_then_else(upper, small - large, small), under = vf_if_then_else(upper, small + large, large);
-    vf r = vf_if_then_else(vf_lt(zero, under), over / under, zero), r2 = r * r;
-    vf s = vf_set(8.05374449538e-2f);
-    s = s * r2 - vf_set(1.38776856032e-1f);
-    s = s * r2 + vf_set(1.99777106478e-1f);
-    s = s * r2 - vf_set(3.33329491539e-1f);
+    vf a = vf_if_then_else(vf_lt(zero, large), small / large, zero);
+    vm upper = vf_lt(vf_set(0.414213562f), a); /* above tan(pi/8): turn by pi/4 */
+    vf r = vf_if_then_else(upper, (a - vf_set(1)) / (a + vf_set(1)), a), r2 = r * r;
+    vf s = vf_set(-1.0f / 15);
+    s = s * r2 + vf_set(1.0f / 13);
+    s = s * r2 - vf_set(1.0f / 11);
+    s = s * r2 + vf_set(1.0f / 9);
+    s = s * r2 - vf_set(1.0f / 7);
+    s = s * r2 + vf_set(1.0f / 5);
+    s = s * r2 - vf_set(1.0f / 3);
     vf angle = r + r * r2 * s;
     angle = angle + vf_if_then_else(upper, vf_set(0.785398163f), zero);
     angle = vf_if_then_else(vf_lt(ax, ay), vf_set(1.57079633f) - angle, angle);

@@ -176,7 +176,7 @@ static void annotations_have_the_types_of_arguments_and_results(void **unused)
     static const char *const lines[] = {
         "---@param from daft.place\n---@param direction daft.vector\n---@param max_distance? number\n"
         "---@param ignore? daft.entity\n---@return daft.hit|nil\n"
-        "function daft.raycast(from, direction, max_distance, ignore) end",
+        "function daft.raycast(from, direction, max_distance, ignore, hit) end",
         "---@param options daft.entity.options\n---@return daft.entity\nfunction daft.entity(options) end",
         "---@field body? \"none\"|\"static\"|\"kinematic\"|\"dynamic\"",
         "---@return daft.entity|nil\n---@return \"ground\"|\"slope\"|\"air\"|\"crushed\"\n",

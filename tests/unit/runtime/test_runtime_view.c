@@ -382,7 +382,7 @@ static void bad_snapshot_files_are_refused(void **state)
         {"{\"scene\": \"a.scene\" \"width\": 7}", "',' expected", 1, 21},
         {"{\"view\": {\"camera\": {\"fov\": \"wide\"}}}", "fov", 1, 29},
         {"{\"view\": {\"camera\": {\"position\": [1, 2]}}}", "position", 1, 34},
-        {"{\"view\": {\"samples\": 1e9}}", "samples", 1, 22},
+        {"{\"view\": {\"quality\": {\"samples\": 1e9}}}", "samples", 1, 34},
         {"{\"view\": {\"aov\": 1}}", "unknown name 'aov'", 1, 11},
         {"{\"scene\": \"a.scene\", \"width\": 7, \"height\": 7} x", "the end of the file", 1, 47},
     };
