@@ -5,6 +5,7 @@
 ---@alias daft.place daft.vector|daft.entity
 ---@alias daft.color string|number[]
 ---@alias daft.anymaterial string|daft.material|daft.material.options
+---@class daft.font
 ---@class daft.hit
 ---@field entity daft.entity
 ---@field distance number
@@ -17,7 +18,7 @@
 ---@field draw? fun()
 ---@field keypressed? fun(key: string)
 ---@field keyreleased? fun(key: string)
----@field textinput? fun()
+---@field textinput? fun(letter: string)
 daft = {}
 
 daft.query = {}
@@ -316,7 +317,7 @@ function entity:angular_velocity(x, y, z) end
 
 ---What touched it in the last step: a list of {other = entity, point = {x, y, z}, normal = {x, y, z},
 ---impulse = n}; the normal points away from the other. list: one to fill again.
----@param list? any
+---@param list? table
 ---@return table
 function entity:contacts(list) end
 
@@ -329,7 +330,7 @@ function entity:valid() end
 
 ---Plays a clip of its mesh, by name or number. One that plays already goes on; from another the pose passes
 ---over in `blend` seconds.
----@param clip any
+---@param clip string|integer
 ---@param options? table
 function entity:play(clip, options) end
 
@@ -342,7 +343,7 @@ function entity:clips() end
 
 ---What it plays: {clip = name, time =, duration =, speed =, weight =, loop =, playing =}, or nil. weight is below
 ---1 while the pose passes over into it; playing is false once a clip that is not looped has ended.
----@return any
+---@return table
 function entity:animation() end
 
 ---Puts the clip that it plays at this time.
@@ -392,22 +393,22 @@ function entity:children() end
 ---The entities of that name, or with that tag, or with all tags of a list; those that got it first come first.
 ---list: a table to fill, instead of a new one.
 ---@param options table
----@param list? any
+---@param list? table
 ---@return table
 function daft.find(options, list) end
 
 ---Gives it tags: names of what it is.
----@param tag any
+---@param tag string
 ---@param ... any
 function entity:tag(tag, ...) end
 
 ---Takes tags from it.
----@param tag any
+---@param tag string
 ---@param ... any
 function entity:untag(tag, ...) end
 
 ---Whether it has the tag.
----@param tag any
+---@param tag string
 ---@return boolean
 function entity:has_tag(tag) end
 
@@ -500,7 +501,7 @@ function joint:target(x, y, z) end
 ---What happened in the last step: {kind =, a =, b =, impulse =}. kind is "begin" or "end" of a contact, "enter" or
 ---"leave" of a sensor (a), "break" or "gone" of a joint (joint =), "sleep" or "wake" of a body (a). A begin has
 ---point =, normal = and speed =, too.
----@param list? any
+---@param list? table
 ---@return table
 function daft.events(list) end
 
@@ -579,7 +580,7 @@ function character:valid() end
 ---@param direction daft.vector
 ---@param max_distance? number
 ---@param options? daft.query.ray.options
----@param hit? any
+---@param hit? table
 ---@return daft.hit|nil
 function daft.query.ray(from, direction, max_distance, options, hit) end
 
@@ -588,7 +589,7 @@ function daft.query.ray(from, direction, max_distance, options, hit) end
 ---@param direction daft.vector
 ---@param max_distance? number
 ---@param options? table
----@param list? any
+---@param list? table
 ---@return table
 function daft.query.all(from, direction, max_distance, options, list) end
 
@@ -599,7 +600,7 @@ function daft.query.all(from, direction, max_distance, options, list) end
 ---@param direction daft.vector
 ---@param max_distance? number
 ---@param options? table
----@param hit? any
+---@param hit? table
 ---@return daft.hit|nil
 function daft.query.cast(shape, from, direction, max_distance, options, hit) end
 
@@ -607,7 +608,7 @@ function daft.query.cast(shape, from, direction, max_distance, options, hit) end
 ---@param shape table
 ---@param at daft.place
 ---@param options? table
----@param list? any
+---@param list? table
 ---@return table
 function daft.query.overlap(shape, at, options, list) end
 
@@ -615,7 +616,7 @@ function daft.query.overlap(shape, at, options, list) end
 ---@param from daft.place
 ---@param max_distance? number
 ---@param options? table
----@param hit? any
+---@param hit? table
 ---@return daft.hit|nil
 function daft.query.closest(from, max_distance, options, hit) end
 
@@ -722,9 +723,9 @@ function daft.camera.get() end
 
 ---Where the camera is, as of daft.camera.get, so many seconds into a smooth path through a list of checkpoints.
 ---pace: "timed", "constant" or "eased".
----@param points any
+---@param points table
 ---@param seconds number
----@param pace? any
+---@param pace? string
 ---@return table
 function daft.camera.along(points, seconds, pace) end
 
@@ -750,18 +751,18 @@ function daft.input.released(key) end
 ---Names what the player does, by up to 8 keys, buttons and sticks: daft.input.bind("walk", "right", "-left",
 ---"left x"). A key counts as 1, with a minus before it as -1; of a stick, "+left x" is the right half. down,
 ---pressed and released take an action's name too. The pause menu lets players choose other keys.
----@param action any
----@param input any
+---@param action string
+---@param input string
 ---@param ... any
 function daft.input.bind(action, input, ...) end
 
 ---The sum of its inputs, -1 to 1.
----@param action any
+---@param action string
 ---@return number
 function daft.input.action(action) end
 
 ---The player's key for it, to be shown: it differs from player to player, so only within daft.draw.
----@param action any
+---@param action string
 ---@return any|nil
 function daft.input.key_of(action) end
 
@@ -770,7 +771,7 @@ function daft.input.key_of(action) end
 function daft.input.text(on) end
 
 ---Shakes the gamepads: 0 to 1, up to 10 seconds.
----@param strength any
+---@param strength number
 ---@param seconds number
 function daft.input.rumble(strength, seconds) end
 
@@ -832,13 +833,13 @@ function daft.text(string, x, y, options) end
 ---A TrueType file (.ttf) of the game's, for daft.text{font =}. The program's own font has Latin, Greek and
 ---Cyrillic letters. It holds the file and 4 MB while the game holds it.
 ---@param file string
----@return any
+---@return daft.font
 function daft.font(file) end
 
 ---Of the widest line.
 ---@param string string
 ---@param size? number
----@param font? any
+---@param font? daft.font
 ---@return number
 function daft.text_width(string, size, font) end
 
@@ -846,7 +847,7 @@ function daft.text_width(string, size, font) end
 ---@param string string
 ---@param width number
 ---@param size? number
----@param font? any
+---@param font? daft.font
 ---@return number
 function daft.text_height(string, width, size, font) end
 
@@ -888,7 +889,7 @@ function daft.polygon(options, color) end
 
 ---A picture file of the game's, to be drawn by image:draw.
 ---@param file string
----@return any
+---@return daft.image
 function daft.image(file) end
 
 ---A pixel of it is a unit, times the scale; or it is as large as width and height say. rotation: radians clockwise
@@ -916,9 +917,9 @@ function daft.clip(x, y, width, height) end
 ---top and a unit in the picture's units come back: ((mouse x) - left) / scale. Without numbers: as at the start.
 ---@param width? number
 ---@param height? number
----@return any
----@return any
----@return any
+---@return number
+---@return number
+---@return number
 function daft.canvas(width, height) end
 
 ---Calls the function at once, as a task: it may wait, and goes on in a later tick, after daft.update. An error in
@@ -964,15 +965,15 @@ function daft.running(task) end
 ---@param direction daft.vector
 ---@param max_distance? number
 ---@param ignore? daft.entity
----@param hit? any
+---@param hit? table
 ---@return daft.hit|nil
 function daft.raycast(from, direction, max_distance, ignore, hit) end
 
 ---The ray from the camera through a point of the picture, in HUD units; the mouse's unless given.
 ---@param x? number
 ---@param y? number
----@return any
----@return any
+---@return number[]
+---@return number[]
 function daft.screen_ray(x, y) end
 
 ---What is seen at a point of the picture, or under the mouse: what daft.raycast gives.
@@ -980,7 +981,7 @@ function daft.screen_ray(x, y) end
 ---@param y? number
 ---@param max_distance? number
 ---@param ignore? daft.entity
----@param hit? any
+---@param hit? table
 ---@return daft.hit|nil
 function daft.pick(x, y, max_distance, ignore, hit) end
 
@@ -996,8 +997,8 @@ function daft.time() end
 
 ---How fast the game's time goes from the next tick on: 1; slow motion below; 0: a pause; up to 4. dt of daft.update,
 ---the simulation, daft.time and tasks follow it; ticks do not.
----@param scale? any
----@return any
+---@param scale? number
+---@return number
 function daft.time_scale(scale) end
 
 ---Updates since the game began.
@@ -1006,7 +1007,7 @@ function daft.tick() end
 
 ---Adds what a scene file describes; gives the entities that it names, by name.
 ---@param options string
----@return any
+---@return table
 function daft.scene(options) end
 
 ---Sets what a picture costs and how exact it is: preset =, target_ms = and knobs by name, such as samples =.
@@ -1034,7 +1035,7 @@ function daft.randomseed(seed) end
 
 ---A sequence of random numbers of its own, which no other call disturbs.
 ---@param seed number
----@return any
+---@return daft.stream
 function daft.random_stream(seed) end
 
 ---As daft.random, from this sequence.
@@ -1060,7 +1061,7 @@ function daft.noise(x, y, z, w) end
 ---area = 0: radius in which they begin; speed, life, size (radius): a number, or {from, to}; gravity = {0, 0, 0};
 ---drag = 0; rate = 0 a second; shape = "round" or "quad"; seed.
 ---@param options table
----@return any
+---@return daft.particles
 function daft.particles(options) end
 
 ---So many at once, as far as there is room.
@@ -1069,8 +1070,8 @@ function daft.particles(options) end
 function particles:burst(count, place) end
 
 ---How many begin in a second.
----@param rate? any
----@return any
+---@param rate? number
+---@return number
 function particles:rate(rate) end
 
 ---Where they begin: a place, or an entity that carries them.

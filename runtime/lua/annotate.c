@@ -20,10 +20,12 @@ typedef struct word_type {
 static const word_type ARGUMENTS[] = {
     {"number",
      " x y z w s p v yaw pitch roll width height max_distance speed force lower upper hertz damping seconds metres "
-     "size occlusion m n seed radius "},
+     "size occlusion m n seed radius strength scale rate "},
     {"integer", " button ticks count "},
     {"boolean", " on down "},
-    {"string", " key negative positive name group string file other "},
+    {"string", " key negative positive name group string file other tag action input pace "},
+    {"string|integer", " clip "},
+    {"daft.font", " font "},
     {"string|string[]", " layer hits "},
     {"daft.place", " from at place point target "},
     {"daft.vector", " direction axis "},
@@ -33,14 +35,14 @@ static const word_type ARGUMENTS[] = {
     {"daft.sound", " sound "},
     {"thread", " task "},
     {"function", " f "},
-    {"table", " shape options "}};
+    {"table", " shape options hit list points "}};
 
 static const word_type RESULTS[] = {
     {"number", " x y z w r g b s v width height number seconds kilograms radians newtons metres value speed force yaw "
-               "pitch roll index count "},
+               "pitch roll index count left top scale rate "},
     {"boolean", " on boolean down "},
     {"string", " string message name "},
-    {"table", " counts list hits entities "},
+    {"table", " counts list hits entities table "},
     {"daft.hit", " hit "},
     {"daft.entity", " entity "},
     {"daft.light", " light "},
@@ -51,6 +53,11 @@ static const word_type RESULTS[] = {
     {"daft.picture", " picture "},
     {"daft.sound", " sound "},
     {"daft.voice", " voice "},
+    {"daft.font", " font "},
+    {"daft.image", " image "},
+    {"daft.stream", " stream "},
+    {"daft.particles", " particles "},
+    {"number[]", " from direction "},
     {"thread", " task "},
     {"nil", " nil "}};
 
@@ -420,7 +427,7 @@ void api_print_annotations(void)
          "---@alias daft.place daft.vector|daft.entity\n"
          "---@alias daft.color string|number[]\n"
          "---@alias daft.anymaterial string|daft.material|daft.material.options\n"
-         "---@class daft.hit\n---@field entity daft.entity\n---@field distance number\n---@field position number[]\n"
+         "---@class daft.font\n---@class daft.hit\n---@field entity daft.entity\n---@field distance number\n---@field position number[]\n"
          "---@field normal number[]");
     printf("\n---@class daft\n");
     size_t callbacks;
@@ -428,6 +435,7 @@ void api_print_annotations(void)
     for (size_t i = 0; i < callbacks; i++) {
         const char *arguments = strcmp(names[i], "update") == 0 ? "dt: number"
                                 : strstr(names[i], "key")       ? "key: string"
+                                : strstr(names[i], "text")      ? "letter: string"
                                                                 : "";
         printf("---@field %s? fun(%s)\n", names[i], arguments);
     }

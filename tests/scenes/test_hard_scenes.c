@@ -166,7 +166,7 @@ static bool ground_to_the_horizon(const stage *s, int i)
 }
 
 static const hard_scene SCENES[] = {
-    {"needles", 0, 0x9868faa81d5a61b6u, seen_by_rays, 30000},
+    {"needles", 0, 0x442f9e6ff25aeb99u, seen_by_rays, 30000},
     {"layers", 0, 0xed268b6df68b2585u, stripes_in_front, 40000},
     {"grazing", 0, 0xabe9f1627497b72du, wall_is_lit, 60000},
     {"spheres", 0, 0x9b74a02d04fee7dcu, nearest_sphere, 15000},
