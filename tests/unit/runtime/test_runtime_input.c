@@ -296,7 +296,7 @@ static void actions_sum_their_inputs(void **unused)
     assert_true(action_value(walk, &keys) == 0.25f); /* the other half */
     input_apply(&keys, &(input_event){.kind = INPUT_STICK, .key = input_stick_find("right y"), .x = 1});
     assert_true(action_value(walk, &keys) == 1 && action_pressed(walk, &keys));
-    char name[8];
+    char name[16];
     for (int i = 1; i < ACTIONS; i++) assert_non_null(actions_set(&all, (snprintf(name, sizeof name, "a%d", i), name)));
     assert_null(actions_set(&all, "one more"));
     assert_ptr_equal(actions_set(&all, "walk"), walk);
