@@ -355,7 +355,7 @@ static bool remember(daft_kept *k, const daft_allocator *allocator, const daft_s
         !daft_grow(allocator, &k->lights, &k->light_capacity, s->light_count, 0, sizeof *k->lights))
         return daft_fail_memory(error, "the materials of a picture");
     memcpy(k->materials, s->materials, s->material_count * sizeof *k->materials);
-    memcpy(k->lights, s->lights, s->light_count * sizeof *k->lights);
+    if (s->light_count) memcpy(k->lights, s->lights, s->light_count * sizeof *k->lights);
     k->material_count = s->material_count;
     return remember_instances(k, allocator, s, error);
 }
