@@ -427,7 +427,8 @@ void api_print_annotations(void)
          "---@alias daft.place daft.vector|daft.entity\n"
          "---@alias daft.color string|number[]\n"
          "---@alias daft.anymaterial string|daft.material|daft.material.options\n"
-         "---@class daft.font\n---@class daft.hit\n---@field entity daft.entity\n---@field distance number\n---@field position number[]\n"
+         "---@class daft.font\n---@class daft.hit\n---@field entity daft.entity\n---@field distance number\n---@field "
+         "position number[]\n"
          "---@field normal number[]");
     printf("\n---@class daft\n");
     size_t callbacks;
