@@ -22,6 +22,7 @@ void daft_redraw_tile(const tile_job *j)
     if (j->refines && j->frame->tiles && k->state[j->number] == DAFT_TILE_BESIDE)
         return; /* its corners are known better */
     *pass_of(j) = (daft_kept_pass){{NOTHING, NOTHING}, {NOTHING, NOTHING}};
+    if (!j->frame->edge_scale) k->tiles[j->number].pass[1] = *pass_of(j); /* there are no corners */
 }
 
 void daft_redraw_points(const tile_job *j, const daft_batch *points, bool seen)
