@@ -157,11 +157,6 @@ typedef struct placing {
     float xx, xy, yx, yy, x, y;
 } placing;
 
-typedef struct raw_point {
-    float x, y;
-    bool on;
-} raw_point;
-
 static bool add_point(truetype_outline *out, truetype_point point)
 {
     if (out->count == TRUETYPE_POINTS) return false;
@@ -169,17 +164,20 @@ static bool add_point(truetype_outline *out, truetype_point point)
     return true;
 }
 
-static raw_point between(raw_point a, raw_point b) { return (raw_point){(a.x + b.x) / 2, (a.y + b.y) / 2, true}; }
+static truetype_raw between(truetype_raw a, truetype_raw b)
+{
+    return (truetype_raw){(a.x + b.x) / 2, (a.y + b.y) / 2, true};
+}
 
 /* Two points off the curve that follow each other have one on it between them. */
-static bool add_contour(truetype_outline *out, const raw_point *points, size_t count)
+static bool add_contour(truetype_outline *out, const truetype_raw *points, size_t count)
 {
-    raw_point first = points[0];
+    truetype_raw first = points[0];
     if (!first.on) first = points[count - 1].on ? points[count - 1] : between(points[count - 1], first);
     if (!add_point(out, (truetype_point){TRUETYPE_MOVE, first.x, first.y, 0, 0})) return false;
     for (size_t i = points[0].on ? 1 : 0; i < count; i++) {
-        const raw_point p = points[i], next = i + 1 < count ? points[i + 1] : first;
-        const raw_point end = next.on ? next : between(p, next);
+        const truetype_raw p = points[i], next = i + 1 < count ? points[i + 1] : first;
+        const truetype_raw end = next.on ? next : between(p, next);
         const truetype_point line = {TRUETYPE_LINE, p.x, p.y, 0, 0}, curve = {TRUETYPE_CURVE, end.x, end.y, p.x, p.y};
         if (!add_point(out, p.on ? line : curve)) return false;
         if (!p.on && next.on) i++; /* the curve has reached it */
@@ -224,9 +222,9 @@ static long read_flags(truetype_table t, size_t at, size_t count, uint8_t *out)
 
 static bool read_simple(truetype_table t, int contours, const placing *to, truetype_outline *out)
 {
-    raw_point points[TRUETYPE_POINTS];
-    uint8_t flags[TRUETYPE_POINTS];
-    int16_t x[TRUETYPE_POINTS], y[TRUETYPE_POINTS];
+    truetype_raw *points = out->raw;
+    uint8_t *flags = out->flags;
+    int16_t *x = out->raw_x, *y = out->raw_y;
     const size_t ends = 10, after = ends + 2 * (size_t)contours;
     if (!has(t, after, 2)) return false;
     const size_t count = u16(t, after - 2) + (size_t)1;
@@ -237,7 +235,7 @@ static bool read_simple(truetype_table t, int contours, const placing *to, truet
     if (read_coordinates(t, (size_t)at, flags, count, 4, 32, y) < 0) return false;
     for (size_t i = 0; i < count; i++)
         points[i] =
-            (raw_point){to->xx * x[i] + to->yx * y[i] + to->x, to->xy * x[i] + to->yy * y[i] + to->y, flags[i] & 1};
+            (truetype_raw){to->xx * x[i] + to->yx * y[i] + to->x, to->xy * x[i] + to->yy * y[i] + to->y, flags[i] & 1};
     size_t first = 0;
     for (int i = 0; i < contours; i++) {
         const size_t next = u16(t, ends + 2 * (size_t)i) + (size_t)1;

@@ -28,11 +28,21 @@ typedef struct truetype_point {
 
 enum { TRUETYPE_POINTS = 8192, TRUETYPE_PARTS = 64, TRUETYPE_DEPTH = 6 };
 
+/* A point as the file has it: on the outline, or a curve's control point. */
+typedef struct truetype_raw {
+    float x, y;
+    bool on;
+} truetype_raw;
+
 /* A glyph's outline. */
 typedef struct truetype_outline {
     truetype_point points[TRUETYPE_POINTS];
     size_t count;
     int parts; /* glyphs that were read for it */
+    /* Scratch of reading: too large for a stack that cannot grow once memory is short. */
+    truetype_raw raw[TRUETYPE_POINTS];
+    uint8_t flags[TRUETYPE_POINTS];
+    int16_t raw_x[TRUETYPE_POINTS], raw_y[TRUETYPE_POINTS];
 } truetype_outline;
 
 /* Checks the file and every glyph in it. `bytes` must outlive `out`; `name` is the file's in messages. */
