@@ -2,11 +2,12 @@
  * renders, checks, plays, records and writes. Afterwards: exit status 0 or 1, with one message where it is 1; each file
  * it writes is the old one or a whole new one; no temporary file is left; nothing hangs.
  *
- * test_faults [--all] [KIND...]: without --all, of calls that are many (more than FEW) a sample, other ones each time
- * that DAFT_TEST_SEED is another. */
+ * test_faults [--all | --every] [KIND...]: of calls that are many (more than FEW) a sample of three, with --all of
+ * STRATA, one from each part of the run, other ones each time that DAFT_TEST_SEED is another; with --every, each call,
+ * which takes an hour. */
 #include "fault_run.h"
 
-enum { FEW = 5, SAMPLES = 3 };
+enum { FEW = 5, SAMPLES = 3, STRATA = 40 };
 
 typedef struct action {
     const char *name, *arguments;
@@ -31,7 +32,8 @@ static const action ACTIONS[] = {
 static const char *const KINDS[] = {"malloc", "open", "read",   "write", "rename",
                                     "fsync",  "mmap", "thread", "clock", "back"};
 
-static bool all;
+static bool every;
+static long samples = SAMPLES;
 static unsigned long runs, wrong;
 
 /* What a film that failed leaves for the next call would be taken over. */
@@ -68,15 +70,13 @@ static long count_calls(const action *what, const char *kind)
 
 static void strike_everywhere(const action *what, const char *kind, bool go_on)
 {
-    long reach = all ? FEW : count_calls(what, kind), n = 1;
-    for (; n <= FEW; n++)
-        if (!strike(what, kind, n, go_on)) return;
-    if (all) {
-        while (strike(what, kind, n++, go_on)) {
-        }
-        return;
+    long reach = every ? 0 : count_calls(what, kind), n = 1;
+    while (n <= FEW || every)
+        if (!strike(what, kind, n++, go_on)) return;
+    for (long i = 0; i < samples; i++) {
+        long first = FEW + 1 + i * reach / samples, width = reach / samples + 1;
+        strike(what, kind, first + (long)(random_next() % (uint64_t)width), go_on);
     }
-    for (int i = 0; i < SAMPLES; i++) strike(what, kind, FEW + 1 + (long)(random_next() % (uint64_t)reach), go_on);
 }
 
 /* FFmpeg's libraries end the process where memory is out. */
@@ -88,12 +88,18 @@ static bool aborts(const action *what, const char *kind)
 int main(int argc, char **argv)
 {
     set_up(argv[0]);
-    for (int i = 1; i < argc; i++) all |= strcmp(argv[i], "--all") == 0;
+    int options = 0;
+    for (int i = 1; i < argc; i++) {
+        bool all = strcmp(argv[i], "--all") == 0, each = strcmp(argv[i], "--every") == 0;
+        if (all) samples = STRATA;
+        every |= each;
+        options += all || each;
+    }
     for (size_t a = 0; a < sizeof ACTIONS / sizeof ACTIONS[0]; a++) {
         outcome first = run_with("none:1", ACTIONS[a].arguments);
         if (first.status != 0) printf("daft %s: %s\n", ACTIONS[a].arguments, first.output), wrong++;
         for (size_t k = 0; k < sizeof KINDS / sizeof KINDS[0]; k++) {
-            bool chosen = argc == 1 + all;
+            bool chosen = argc == 1 + options;
             for (int i = 1; i < argc; i++) chosen |= strcmp(argv[i], KINDS[k]) == 0;
             if (!chosen || aborts(&ACTIONS[a], KINDS[k])) continue;
             strike_everywhere(&ACTIONS[a], KINDS[k], false);
