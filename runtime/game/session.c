@@ -10,6 +10,7 @@
 #include "game/loop.h"
 #include "game/pause.h"
 #include "game/relive.h"
+#include "game/xray.h"
 #include "hud/screens.h"
 #include "common/stop.h"
 #include "common/util.h"
@@ -53,7 +54,7 @@ typedef struct session {
     daft_history *history;
     loop clock;
     uint64_t last_ns, began_ns;
-    bool left, closed, overlay, reported;
+    bool left, closed, overlay, xray, reported;
     bool wants_reload, wants_shot, grabbed;
     frame_times times;
     double update_ms, frame_ms, turn_ms;      /* smoothed, for the overlay */
@@ -141,6 +142,11 @@ static bool draw_game(session *s, float alpha, daft_error *error)
     if (fewer && !session_fit_picture(&s->now, &s->small, error)) return false;
     if (!game_render(s->play, fewer ? s->small : s->picture, alpha)) return false;
     if (fewer) canvas_stretch(s->small, s->picture);
+    if (s->xray) {
+        const canvas over = canvas_over(s->picture);
+        const daft_camera camera = daft_scene_camera(s->play->scene, alpha);
+        xray_draw(&over, s->play->scene, &camera);
+    }
     if (s->overlay) draw_overlay(s);
     return game_draw_over(s->play, s->picture);
 }
@@ -300,6 +306,7 @@ static void handle_session_key(session *s, int key)
     const char *name = input_key_name(key);
     if (strcmp(name, "escape") == 0) s->left = true;
     if (strcmp(name, "f1") == 0) s->overlay = !s->overlay;
+    if (strcmp(name, "f3") == 0) s->xray = !s->xray;
     if (strcmp(name, "f12") == 0) s->wants_shot = true;
     if (s->play->failed) handle_failure_key(s, name);
 }
