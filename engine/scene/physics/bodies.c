@@ -440,13 +440,15 @@ uint32_t daft_scene_body_edges(const daft_scene *scene, daft_dvec3 centre, float
                                uint32_t capacity)
 {
     if (!scene || !scene->world || !(radius > 0)) return 0;
+    const uint32_t there = daft_world_edges(scene->world, centre, radius, NULL, 0);
     if (!out) capacity = 0;
+    if (capacity > there) capacity = there;
     daft_sim_edge *edges = capacity ? daft_alloc(scene->allocator, capacity, sizeof *edges) : NULL;
     if (!edges) capacity = 0;
-    const uint32_t count = daft_world_edges(scene->world, centre, radius, edges, capacity);
-    for (uint32_t i = 0; i < capacity && i < count; i++)
+    if (capacity) daft_world_edges(scene->world, centre, radius, edges, capacity);
+    for (uint32_t i = 0; i < capacity; i++)
         out[i] = (daft_body_edge){edges[i].from, edges[i].to,    {edges[i].user},
                                   edges[i].kind, edges[i].awake, edges[i].sensor};
     daft_release(scene->allocator, edges);
-    return count;
+    return there;
 }
