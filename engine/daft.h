@@ -467,6 +467,11 @@ DAFT_API daft_entity daft_entity_create(daft_scene *scene, const daft_entity_def
 DAFT_API bool daft_entity_destroy(daft_scene *scene, daft_entity entity, daft_error *error);
 DAFT_API bool daft_entity_is_valid(const daft_scene *scene, daft_entity entity);
 DAFT_API uint32_t daft_entity_count(const daft_scene *scene);
+/* Writes the first `capacity` entities, in a fixed order, and returns how many there are. `out` may be NULL where
+ * `capacity` is 0. */
+DAFT_API uint32_t daft_scene_entities(const daft_scene *scene, daft_entity *out, uint32_t capacity);
+/* As it was made and changed since, with the transform of now; its body's colliders are not told. */
+DAFT_API bool daft_entity_get(daft_scene *scene, daft_entity entity, daft_entity_def *out, daft_error *error);
 
 /* A point p of the entity lies at position + rotation·(scale·p). */
 typedef struct daft_transform {
@@ -722,6 +727,29 @@ typedef struct daft_sim_counters {
     uint32_t sweeps;          /* searches for the time of an impact */
 } daft_sim_counters;
 DAFT_API daft_sim_counters daft_scene_sim_counters(const daft_scene *scene);
+
+/* How long the stages of the last step took, in milliseconds, one after the other; all 0 where nothing moved. */
+typedef struct daft_sim_times {
+    double broad;    /* which parts are near each other */
+    double contacts; /* where they touch, and which islands that makes */
+    double solve;    /* the substeps */
+    double sweep;    /* of what is fast; then bodies are placed */
+    double events;   /* contacts and events are told; islands fall asleep */
+} daft_sim_times;
+DAFT_API daft_sim_times daft_scene_sim_times(const daft_scene *scene);
+
+/* An edge of a body's shape as the simulation has it, for pictures of it. */
+typedef struct daft_body_edge {
+    daft_dvec3 from, to; /* in the world */
+    daft_entity entity;
+    daft_body_kind kind;
+    bool awake, sensor;
+} daft_body_edge;
+/* Edges of bodies whose bounds meet the ball about `centre`, in a fixed order; of meshes and height fields only those
+ * of triangles that meet its bounds. Round shapes are circles of 24 edges. Writes the first `capacity`, and returns how
+ * many there are. `out` may be NULL where `capacity` is 0. */
+DAFT_API uint32_t daft_scene_body_edges(const daft_scene *scene, daft_dvec3 centre, float radius, daft_body_edge *out,
+                                        uint32_t capacity);
 
 /* ---- scenes: camera, lights, sky --------------------------------------------------------------------------------- */
 

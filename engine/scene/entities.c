@@ -30,6 +30,28 @@ daft_entity_item *daft_entity_change(const daft_scene *scene, daft_entity entity
     return daft_scene_ready(scene, error) ? daft_entity_find(scene, entity, error) : NULL;
 }
 
+uint32_t daft_scene_entities(const daft_scene *scene, daft_entity *out, uint32_t capacity)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; scene && i < scene->entity_slots.count; i++) {
+        if (!scene->entity_slots.items[i].live) continue;
+        if (out && count < capacity) out[count].id = daft_slots_handle(&scene->entity_slots, i);
+        count++;
+    }
+    return count;
+}
+
+bool daft_entity_get(daft_scene *scene, daft_entity entity, daft_entity_def *out, daft_error *error)
+{
+    daft_error_clear(error);
+    const daft_entity_item *item = daft_entity_find(scene, entity, error);
+    if (!item || !daft_check_pointer(error, "out", out)) return false;
+    *out = item->def;
+    out->position = item->now.position, out->rotation = item->now.rotation, out->scale = item->now.scale;
+    out->parent = daft_entity_get_parent(scene, entity);
+    return true;
+}
+
 /* ---- checks ---- */
 
 bool daft_transform_check(const daft_transform *transform, daft_error *error)

@@ -233,5 +233,16 @@ bool daft_world_load(daft_world *world, const void *bytes, size_t size, daft_sim
 
 /* Of the last step. */
 daft_sim_counters daft_world_counters(const daft_world *world);
+daft_sim_times daft_world_times(const daft_world *world);
+
+/* edges.c: see daft_scene_body_edges in daft.h. */
+typedef struct daft_sim_edge {
+    daft_dvec3 from, to;
+    uint32_t user; /* of the body */
+    daft_body_kind kind;
+    bool awake, sensor;
+} daft_sim_edge;
+uint32_t daft_world_edges(const daft_world *world, daft_dvec3 centre, float radius, daft_sim_edge *out,
+                          uint32_t capacity);
 
 #endif

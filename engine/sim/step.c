@@ -181,17 +181,28 @@ static void wake_touched(daft_world *world)
     daft_sim_active_refresh_all(world);
 }
 
+/* The milliseconds since the last call. */
+static double lap(double *began)
+{
+    const double now = daft_clock_ms(), took = now - *began;
+    *began = now;
+    return took;
+}
+
 /* From bodies to all that is to be solved. Nothing has moved if it fails. */
 static bool find_constraints(daft_world *world, float dt)
 {
+    double clock = daft_clock_ms();
     begin_movers(world, dt);
-    if (!daft_sim_broad_update(world, dt)) return false;    /* bodies -> bounds over the step */
-    if (!daft_sim_pairs_find(world)) return false;          /* bounds -> pairs */
+    if (!daft_sim_broad_update(world, dt)) return false; /* bodies -> bounds over the step */
+    if (!daft_sim_pairs_find(world)) return false;       /* bounds -> pairs */
+    world->times.broad = lap(&clock);
     if (!daft_sim_contacts_update(world, dt)) return false; /* pairs -> manifolds */
     if (!daft_sim_ghosts_drop(world, dt)) return false;
     wake_touched(world);
     if (!daft_sim_solver_create(world) || !daft_sim_solver_bodies_assign(world, dt))
         return false; /* pairs -> islands -> colours */
+    world->times.contacts = lap(&clock);
     return daft_sim_report_reserve(world) && !world->lost_event;
 }
 
@@ -219,16 +230,20 @@ static void run_step(void *context, daft_region *region)
     work *w = context;
     daft_world *world = w->world;
     world->scratch.region = region;
-    w->done = find_constraints(world, w->dt) && daft_sim_solve(world, w->dt); /* constraints -> velocities,
-                                                                                 displacements, in substeps */
+    bool found = find_constraints(world, w->dt);
+    double clock = daft_clock_ms();
+    w->done = found && daft_sim_solve(world, w->dt); /* constraints -> velocities, displacements, in substeps */
+    world->times.solve = lap(&clock);
     if (w->done) {
         end_dynamics(world); /* displacements, cut short by sweeps -> poses */
         end_movers(world, w->dt);
+        world->times.sweep = lap(&clock);
         world->changes++;
         count(world);
         daft_sim_report(world); /* pairs, poses -> contacts and events, */
         daft_sim_joints_break(world);
         daft_sim_sleep_update(world, w->dt); /* sleep */
+        world->times.events = lap(&clock);
     }
     world->scratch.region = NULL;
 }
@@ -247,6 +262,7 @@ bool daft_world_step(daft_world *world, float dt, daft_error *error)
                          (double)DAFT_SIM_MAX_DT);
     if (dt < 1e-9f) return true;
     world->counters = (daft_sim_counters){0};
+    world->times = (daft_sim_times){0};
     if (has_work(world)) {
         world->untold = false;
         work w = {.world = world, .dt = dt};

@@ -95,6 +95,8 @@ void daft_world_set_sleeping(daft_world *world, bool allowed)
     if (!allowed) daft_sim_wake_all(world);
 }
 
+daft_sim_times daft_world_times(const daft_world *world) { return world->times; }
+
 daft_sim_counters daft_world_counters(const daft_world *world)
 {
     daft_sim_counters counters = world->counters;

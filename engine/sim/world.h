@@ -315,6 +315,7 @@ struct daft_world {
     daft_sim_event_list events, pending; /* of the last step; of calls since */
     bool lost_event;                     /* memory was out: the next step says so */
     daft_sim_counters counters;
+    daft_sim_times times;
 
     daft_sim_step_scratch scratch;
 };

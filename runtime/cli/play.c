@@ -10,6 +10,7 @@
 #include "common/util.h"
 #include "platform/audio.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,8 +20,8 @@ static const cli_command COMMAND = {
     "[GAME]",
     "Plays a game: a folder with a main.lua, a packed game (.daft), or the name of one in games/. Without GAME, shows "
     "a menu.",
-    "Keys: Esc opens a menu, F1 shows the time of each effect, F11 or Alt+Enter toggles full screen, F12 writes a "
-    "picture.\n"
+    "Keys: Esc opens a menu, F1 shows the time of each effect, F3 the shapes and contacts of bodies, F11 or Alt+Enter "
+    "toggles full screen, F12 writes a picture.\n"
     "Without a display it plays the game's recorded demo (marble's when GAME is missing) and writes daft-demo.png.",
     0,
     1};
@@ -39,6 +40,9 @@ typedef struct play_options {
     char kept[PATH_SIZE];  /* the folder of what games keep; empty: none */
     char costs[PATH_SIZE]; /* the folder that remembers what pictures cost; empty: none */
     uint64_t memory;
+    bool strict;
+    const char *speed_text;
+    double speed; /* 0: not said */
     const char *sandbox, *record, *replay, *isa, *shot, *stats, *sound, *game;
 } play_options;
 
@@ -80,6 +84,8 @@ static session_def base_session(const player *p)
                          .every_frame = o->every_frame,
                          .record = o->record,
                          .replay = o->replay,
+                         .strict = o->strict,
+                         .speed = o->speed,
                          .shot = o->shot,
                          .shot_tick = (uint64_t)o->shot_tick,
                          .stats = o->stats,
@@ -257,6 +263,13 @@ static int play(player *p)
     return finish(session_play(&session, &p->game, &error), &error);
 }
 
+static bool read_speed(const char *text, double *out)
+{
+    char *end;
+    *out = strcmp(text, "max") == 0 ? INFINITY : strtod(text, &end);
+    return isinf(*out) ? strcmp(text, "max") == 0 : end != text && !*end && *out >= 0.01 && *out <= 1000;
+}
+
 int command_play(int argc, char **argv)
 {
     player p = {.options = {.sandbox = "auto",
@@ -275,6 +288,10 @@ int command_play(int argc, char **argv)
         {"record", 0, CLI_TEXT, "FILE", &o->record, 0, 0, "record the input to FILE"},
         {"replay", 0, CLI_TEXT, "FILE", &o->replay, 0, 0,
          "play the recording FILE; a window then continues with live input"},
+        {"strict", 0, CLI_FLAG, NULL, &o->strict, 0, 0,
+         "with --replay: fail where the game has changed, or does not do what was recorded"},
+        {"speed", 0, CLI_TEXT, "N", &o->speed_text, 0, 0,
+         "with --replay: how fast, 0.01 to 1000, or max (1; headless: max)"},
         {"hash", 0, CLI_FLAG, NULL, &o->hash, 0, 0,
          "print 'tick N state 0x... frame 0x...' every 60 ticks and at the end"},
         {"size", 0, CLI_SIZE, "WxH", &o->size, 16, 8192,
@@ -325,6 +342,10 @@ int command_play(int argc, char **argv)
         return cli_refuse("play", "--saves: the path is too long");
     if (!(o->scale > 0)) return cli_refuse("play", "--scale: a number above 0 expected");
     if (!(o->seconds >= 0.1)) return cli_refuse("play", "--time-limit: a number from 0.1 to 3600 expected");
+    if (o->strict && !o->replay) return cli_refuse("play", "--strict: --replay FILE is missing");
+    if (o->speed_text && !o->replay) return cli_refuse("play", "--speed: --replay FILE is missing");
+    if (o->speed_text && !read_speed(o->speed_text, &o->speed))
+        return cli_refuse("play", "--speed: a number from 0.01 to 1000, or max, expected");
     if (count > 0) o->game = operands[0];
     int status = play(&p);
     audio_close();

@@ -178,6 +178,7 @@ bool game_tick(game_state *state)
     state->over = state->scripts.quit;
     if (state->scripts.restart && !state->over && !game_reload(state, &error))
         return stop_with(state, "restart", &error);
+    if (state->def.record) recorder_state(state->def.record, state->ticks, game_hash(state), state->scene);
     return !state->failed;
 }
 

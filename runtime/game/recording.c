@@ -4,6 +4,7 @@
 #include "game/loop.h"
 #include "common/util.h"
 #include "files/saves.h"
+#include "game/fingerprint.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -169,11 +170,98 @@ static bool read_mark(reader *in, recording *out)
     return true;
 }
 
-static bool read_pack(reader *in, recording *out)
+static const char HEX[] = "0123456789abcdef";
+
+static bool read_sha256(reader *in, char out[65])
 {
-    if (strlen(in->at) != 64 || strspn(in->at, "0123456789abcdef") != 64)
-        return bad(in, "the SHA-256 of a packed game expected", NULL);
-    strcpy(out->pack, in->at);
+    if (strlen(in->at) != 64 || strspn(in->at, HEX) != 64) return bad(in, "a SHA-256 expected", NULL);
+    strcpy(out, in->at);
+    return true;
+}
+
+static bool read_limits(reader *in, recording *out)
+{
+    float seconds;
+    if (!take_count(in, &out->memory, "a number of bytes expected") || !take_float(in, &seconds)) return false;
+    out->seconds = (double)seconds;
+    return line_ends(in);
+}
+
+/* Exactly so many hexadecimal digits. */
+static bool take_hex(reader *in, size_t digits, uint64_t *out)
+{
+    char text[17];
+    if (strspn(in->at, HEX) < digits) return bad(in, "hexadecimal digits expected", NULL);
+    snprintf(text, sizeof text, "%.*s", (int)digits, in->at);
+    *out = strtoull(text, NULL, 16);
+    in->at += digits;
+    return true;
+}
+
+/* Room for one more. */
+static void *grow_list(reader *in, void *items, size_t *capacity, size_t count, size_t size)
+{
+    if (count < *capacity) return items;
+    const size_t more = *capacity ? 2 * *capacity : 64;
+    void *grown = realloc(items, more * size);
+    if (grown)
+        *capacity = more;
+    else
+        fail(in->error, DAFT_ERROR_MEMORY, "out of memory for a recording");
+    return grown;
+}
+
+static bool read_state(reader *in, recording *out)
+{
+    recording_state state = {0};
+    uint64_t low = 0;
+    if (!take_count(in, &state.tick, "a number of ticks expected") || !take_hex(in, 16, &state.hash)) return false;
+    if (out->state_count > 0 && state.tick <= out->states[out->state_count - 1].tick)
+        return bad(in, "the ticks must go on", NULL);
+    skip_blanks(in);
+    while (*in->at && state.count < RECORDING_SECOND && state.count < state.tick) {
+        if (!take_hex(in, 4, &low)) return false;
+        state.ticks[state.count++] = (uint16_t)low;
+    }
+    if (!line_ends(in)) return false;
+    recording_state *grown = grow_list(in, out->states, &out->state_capacity, out->state_count, sizeof state);
+    if (!grown) return false;
+    out->states = grown;
+    out->states[out->state_count++] = state;
+    return true;
+}
+
+static bool read_mark_of(reader *in, uint64_t tick, recording *out)
+{
+    char *end;
+    recording_mark mark = {.tick = tick};
+    if (!isxdigit((unsigned char)*in->at)) return bad(in, "an entity's number expected", NULL);
+    mark.entity = (uint32_t)strtoul(in->at, &end, 16);
+    if (end - in->at > 8 || *end != ':') return bad(in, "an entity's number expected", NULL);
+    in->at = end + 1;
+    uint64_t print = 0;
+    mark.gone = *in->at == '-';
+    if (mark.gone)
+        in->at++;
+    else if (!take_hex(in, 8, &print))
+        return false;
+    mark.print = (uint32_t)print;
+    skip_blanks(in);
+    recording_mark *grown = grow_list(in, out->marks, &out->mark_capacity, out->mark_count, sizeof mark);
+    if (!grown) return false;
+    out->marks = grown;
+    out->marks[out->mark_count++] = mark;
+    return true;
+}
+
+static bool read_marks(reader *in, recording *out)
+{
+    uint64_t tick;
+    if (!take_count(in, &tick, "a number of ticks expected")) return false;
+    if (out->mark_count > 0 && tick <= out->marks[out->mark_count - 1].tick)
+        return bad(in, "the ticks must go on", NULL);
+    while (*in->at)
+        if (!read_mark_of(in, tick, out)) return false;
     return true;
 }
 
@@ -206,7 +294,11 @@ static bool read_line(reader *in, recording *out, size_t *capacity, bool *ended)
         return true;
     }
     if (take_word(in, "saved")) return read_saved(in, out);
-    if (take_word(in, "pack")) return read_pack(in, out);
+    if (take_word(in, "pack")) return read_sha256(in, out->pack);
+    if (take_word(in, "content")) return read_sha256(in, out->content);
+    if (take_word(in, "limits")) return read_limits(in, out);
+    if (take_word(in, "state")) return read_state(in, out);
+    if (take_word(in, "entities")) return read_marks(in, out);
     if (take_word(in, "tick")) return read_mark(in, out);
     if (take_word(in, "rate")) {
         uint64_t rate;
@@ -230,6 +322,8 @@ static bool end_cut(reader *in, recording *out)
     if (out->end == 0)
         return fail_at(in->error, in->path, in->number, 1, "the 'end' line is missing: the file was cut short");
     while (out->count > 0 && out->items[out->count - 1].tick >= out->end) out->count--;
+    while (out->state_count > 0 && out->states[out->state_count - 1].tick > out->end) out->state_count--;
+    while (out->mark_count > 0 && out->marks[out->mark_count - 1].tick > out->end) out->mark_count--;
     out->cut = true;
     return true;
 }
@@ -251,7 +345,7 @@ static bool read_lines(reader *in, char *text, recording *out)
         line = next;
         skip_blanks(in);
         if (in->number == 1) {
-            if (take_word(in, "daft-recording") && in->at[0] >= '1' && in->at[0] <= '4' && !in->at[1]) continue;
+            if (take_word(in, "daft-recording") && in->at[0] >= '1' && in->at[0] <= '5' && !in->at[1]) continue;
             return bad(in, "'daft-recording 1' expected: this is not a recording of this version", NULL);
         }
         if (*in->at == 0 || *in->at == '#') continue;
@@ -281,6 +375,8 @@ void recording_free(recording *record)
     for (size_t i = 0; i < record->saved_count; i++) free(record->saved[i].name);
     free(record->saved);
     free(record->items);
+    free(record->states);
+    free(record->marks);
     *record = (recording){0};
 }
 
@@ -297,7 +393,12 @@ struct recorder {
     FILE *file;           /* NULL: the recording is in place, or was lost */
     uint64_t ticks;       /* whose input is in the file */
     char path[PATH_SIZE], part[PATH_SIZE + 8];
+    recording_state now;   /* the second that is not yet in the file */
+    recording_mark *known; /* of entities, by their index: what was told last */
+    size_t known_count;
 };
+
+enum { INDEX_MASK = (1 << 20) - 1 }; /* an entity's number is its index and a generation above it */
 
 /* The file that is being recorded is locked, so that no other game takes it for a left-over one. */
 static bool keep_left_over(const recorder *writer, daft_error *error)
@@ -330,7 +431,15 @@ static bool open_part(recorder *writer, const char *path, daft_error *error)
     return fail(error, DAFT_ERROR_MEMORY, "out of memory for a recording");
 }
 
-recorder *recorder_open(const char *path, const char *game, const char *pack, uint64_t seed, daft_error *error)
+static void put_head(FILE *file, const recording_head *head)
+{
+    fprintf(file, "daft-recording 5\ngame %s\nrate %d\nseed %" PRIu64 "\n", head->game, LOOP_RATE, head->seed);
+    if (head->pack && head->pack[0]) fprintf(file, "pack %s\n", head->pack);
+    if (head->content && head->content[0]) fprintf(file, "content %s\n", head->content);
+    if (head->memory) fprintf(file, "limits %" PRIu64 " %.9g\n", head->memory, head->seconds);
+}
+
+recorder *recorder_open(const char *path, const recording_head *head, daft_error *error)
 {
     recorder *writer = calloc(1, sizeof *writer);
     if (!writer) {
@@ -342,8 +451,7 @@ recorder *recorder_open(const char *path, const char *game, const char *pack, ui
         return NULL;
     }
     pthread_mutex_init(&writer->lock, NULL);
-    fprintf(writer->file, "daft-recording 4\ngame %s\nrate %d\nseed %" PRIu64 "\n", game, LOOP_RATE, seed);
-    if (pack[0]) fprintf(writer->file, "pack %s\n", pack);
+    put_head(writer->file, head);
     return writer;
 }
 
@@ -375,6 +483,75 @@ void recorder_tick(recorder *writer, uint64_t tick, const input_event *events, s
     pthread_mutex_unlock(&writer->lock);
 }
 
+static void put_state(recorder *writer)
+{
+    const recording_state *now = &writer->now;
+    fprintf(writer->file, "state %" PRIu64 " %016" PRIx64 "%s", now->tick, now->hash, now->count ? " " : "");
+    for (uint32_t i = 0; i < now->count; i++) fprintf(writer->file, "%04x", (unsigned)now->ticks[i]);
+    fputc('\n', writer->file);
+    writer->now = (recording_state){0};
+}
+
+/* Tells what an entity is, where that is new. False: the line is full. */
+static bool put_mark(recorder *writer, recording_mark mark, int *told)
+{
+    recording_mark *known = &writer->known[mark.entity & INDEX_MASK];
+    if (known->entity == mark.entity && known->print == mark.print && known->gone == mark.gone) return true;
+    if (*told == RECORDING_MARKS) return false;
+    if ((*told)++ == 0) fprintf(writer->file, "entities %" PRIu64, mark.tick);
+    *known = mark;
+    if (mark.gone)
+        fprintf(writer->file, " %x:-", (unsigned)mark.entity);
+    else
+        fprintf(writer->file, " %x:%08x", (unsigned)mark.entity, (unsigned)mark.print);
+    return true;
+}
+
+static bool know(recorder *writer, uint32_t entity)
+{
+    const size_t needed = (size_t)(entity & INDEX_MASK) + 1;
+    if (needed <= writer->known_count) return true;
+    recording_mark *grown = realloc(writer->known, 2 * needed * sizeof *grown);
+    if (!grown) return false;
+    memset(grown + writer->known_count, 0, (2 * needed - writer->known_count) * sizeof *grown);
+    writer->known = grown, writer->known_count = 2 * needed;
+    return true;
+}
+
+static void put_entities(recorder *writer, uint64_t ticks, daft_scene *scene)
+{
+    static const uint32_t most = FINGERPRINT_ENTITIES;
+    daft_entity *all = malloc(most * sizeof *all);
+    const uint32_t there = all ? daft_scene_entities(scene, all, most) : 0, count = there < most ? there : most;
+    int told = 0;
+    bool room = true;
+    for (size_t i = 0; i < writer->known_count && room; i++) {
+        const recording_mark *old = &writer->known[i];
+        if (old->entity && !old->gone && !daft_entity_is_valid(scene, (daft_entity){old->entity}))
+            room = put_mark(writer, (recording_mark){ticks, old->entity, 0, true}, &told);
+    }
+    for (uint32_t i = 0; i < count && room; i++)
+        room = know(writer, all[i].id) &&
+               put_mark(writer, (recording_mark){ticks, all[i].id, fingerprint(scene, all[i]), false}, &told);
+    if (told > 0) fputc('\n', writer->file);
+    free(all);
+}
+
+void recorder_state(recorder *writer, uint64_t ticks, uint64_t hash, daft_scene *scene)
+{
+    pthread_mutex_lock(&writer->lock);
+    recording_state *now = &writer->now;
+    if (writer->file) {
+        now->tick = ticks, now->hash = hash;
+        if (now->count < RECORDING_SECOND) now->ticks[now->count++] = (uint16_t)hash;
+        if (ticks % RECORDING_SECOND == 0) {
+            put_state(writer);
+            if (scene) put_entities(writer, ticks, scene);
+        }
+    }
+    pthread_mutex_unlock(&writer->lock);
+}
+
 void recorder_saved(recorder *writer, const char *name, const char *text)
 {
     if (!writer) return;
@@ -402,6 +579,7 @@ bool recorder_finish(recorder *writer, daft_error *error)
     bool good = true;
     pthread_mutex_lock(&writer->lock);
     if (writer->file) {
+        if (writer->now.tick > 0) put_state(writer);
         fprintf(writer->file, "end %" PRIu64 "\n", writer->ticks);
         good = put_in_place(writer) || fail_at(error, writer->path, 0, 0, "cannot be written: %s", strerror(errno));
         if (!good) unlink(writer->part);
@@ -416,5 +594,6 @@ void recorder_free(recorder *writer)
 {
     if (!writer) return;
     pthread_mutex_destroy(&writer->lock);
+    free(writer->known);
     free(writer);
 }

@@ -1,10 +1,13 @@
 /* recording: the input of a game, tick by tick, as a text file that replays it.
  *
- *     daft-recording 4          the format's version (1 had no 'tick' lines, 2 no 'saved' ones, 3 no 'text', 'width')
+ *     daft-recording 5          the format's version (1 had no 'tick' lines, 2 no 'saved' ones, 3 no 'text', 'width', 4
+ *                               none of 'content', 'limits', 'state', 'entities')
  *     game marble
  *     rate 60                   ticks a second
  *     seed 1                    seed of the random numbers
  *     pack 9f86d0…              of a packed game: its SHA-256, 64 hexadecimal digits
+ *     content 60303a…           SHA-256 of the game's own files (files/content.h)
+ *     limits 1000000000 5       bytes that the game may hold; seconds that one call may take
  *     saved scores {[1]=9}      what daft.load_saved("scores") gave first; nothing behind the name: nothing was there
  *     12 +right                 at the start of tick 12 (counted from 0) the key goes down
  *     40 -right                 … and up
@@ -13,6 +16,8 @@
  *     41 wheel 0 1              notches, right and up positive
  *     43 text 00e4              a letter was typed: its code point, hexadecimal
  *     43 width 960              the picture is so wide from now on, in HUD units; before, 1280
+ *     state 60 9a31… 01ab…      after 60 ticks: the state's hash; of the ticks since the last such line, 16 bits each
+ *     entities 60 1f:a1b2c3d4   those that have changed since they were last told (game/fingerprint.h); 1f:- is gone
  *     tick 60                   60 ticks have been recorded; once a second
  *     end 600                   ticks in all; the last line
  *
@@ -38,9 +43,32 @@ typedef struct recording_save {
     char *name, *text; /* one allocation, by `name`; text NULL: nothing */
 } recording_save;
 
+enum { RECORDING_SECOND = 60 }; /* ticks */
+
+/* The states that a second of the game came to. */
+typedef struct recording_state {
+    uint64_t tick, hash; /* after so many ticks */
+    uint32_t count;      /* of the ticks up to that one that are known by `ticks`, the lowest 16 bits of their hashes */
+    uint16_t ticks[RECORDING_SECOND];
+} recording_state;
+
+typedef struct recording_mark {
+    uint64_t tick;
+    uint32_t entity, print;
+    bool gone;
+} recording_mark;
+
+enum { RECORDING_MARKS = 256 }; /* entities told at once */
+
 typedef struct recording {
     char game[128];
-    char pack[65]; /* SHA-256 of the packed game; empty: it was none */
+    char pack[65];    /* SHA-256 of the packed game; empty: it was none */
+    char content[65]; /* SHA-256 of its files; empty: not known */
+    uint64_t memory;  /* limits; 0: not known */
+    double seconds;
+    recording_state *states;
+    recording_mark *marks;
+    size_t state_count, state_capacity, mark_count, mark_capacity;
     uint64_t seed;
     uint64_t end; /* ticks */
     bool cut;     /* there is no 'end' line: `end` is the last tick that is known */
@@ -59,8 +87,15 @@ void recording_play(recording *record, uint64_t tick, input *state);
 
 /* Writes events while the game runs, so that a failed game leaves its recording. */
 typedef struct recorder recorder;
-/* `pack`: SHA-256 of the packed game, or empty. */
-recorder *recorder_open(const char *path, const char *game, const char *pack, uint64_t seed, daft_error *error);
+/* What stands at the top; texts may be NULL where they are not known. */
+typedef struct recording_head {
+    const char *game, *pack, *content;
+    uint64_t seed, memory;
+    double seconds;
+} recording_head;
+recorder *recorder_open(const char *path, const recording_head *head, daft_error *error);
+/* After `ticks` ticks: what the game came to. `scene` NULL: its entities are not told. */
+void recorder_state(recorder *writer, uint64_t ticks, uint64_t hash, daft_scene *scene);
 /* As tick `tick`, counted from 0, begins: what it is given. A game that fails in this tick fails again in its replay.
  */
 void recorder_tick(recorder *writer, uint64_t tick, const input_event *events, size_t count);

@@ -1,13 +1,16 @@
 /* Plays one game on a platform. */
 #include "game/session.h"
 
+#include "files/content.h"
 #include "files/saves.h"
 #include "files/watch.h"
+#include "game/agree.h"
 #include "game/costs.h"
 #include "game/governor.h"
 #include "game/loop.h"
 #include "game/pause.h"
 #include "game/relive.h"
+#include "game/xray.h"
 #include "hud/screens.h"
 #include "common/stop.h"
 #include "common/util.h"
@@ -15,6 +18,7 @@
 #include "sound/tape.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
@@ -37,6 +41,7 @@ typedef struct session {
     char notice[HOST_MESSAGE]; /* of a change of the files, over the picture; or empty */
     uint64_t notice_ns;        /* until when; 0: until it is right */
     recording replay;
+    agreement agreed;
     recorder *record;
     tape sounds;
     saves *kept, *own; /* the game's; the program's */
@@ -48,8 +53,8 @@ typedef struct session {
     daft_image *picture, *small; /* the window's; the scene's, where it has fewer pixels */
     daft_history *history;
     loop clock;
-    uint64_t last_ns;
-    bool left, closed, overlay, reported;
+    uint64_t last_ns, began_ns;
+    bool left, closed, overlay, xray, reported;
     bool wants_reload, wants_shot, grabbed;
     frame_times times;
     double update_ms, frame_ms, turn_ms;      /* smoothed, for the overlay */
@@ -137,6 +142,11 @@ static bool draw_game(session *s, float alpha, daft_error *error)
     if (fewer && !session_fit_picture(&s->now, &s->small, error)) return false;
     if (!game_render(s->play, fewer ? s->small : s->picture, alpha)) return false;
     if (fewer) canvas_stretch(s->small, s->picture);
+    if (s->xray) {
+        const canvas over = canvas_over(s->picture);
+        const daft_camera camera = daft_scene_camera(s->play->scene, alpha);
+        xray_draw(&over, s->play->scene, &camera);
+    }
     if (s->overlay) draw_overlay(s);
     return game_draw_over(s->play, s->picture);
 }
@@ -296,6 +306,7 @@ static void handle_session_key(session *s, int key)
     const char *name = input_key_name(key);
     if (strcmp(name, "escape") == 0) s->left = true;
     if (strcmp(name, "f1") == 0) s->overlay = !s->overlay;
+    if (strcmp(name, "f3") == 0) s->xray = !s->xray;
     if (strcmp(name, "f12") == 0) s->wants_shot = true;
     if (s->play->failed) handle_failure_key(s, name);
 }
@@ -383,9 +394,24 @@ static bool take_shot(session *s, const char *path, daft_error *error)
     return s->play->failed || daft_image_write(s->picture, path, error);
 }
 
+/* Whether the replay still does what was recorded. */
+static bool compare_replay(session *s, daft_error *error)
+{
+    char message[AGREE_TEXT];
+    if (!s->def->replay || s->replay.state_count == 0 || s->play->ticks > s->replay.end) return true;
+    if (agree(&s->agreed, &s->replay, s->play->ticks, game_hash(s->play), s->play->scene, message)) return true;
+    if (s->def->strict) return fail_at(error, s->def->replay, 0, 0, "%s", message);
+    progress_end(&s->bar);
+    fprintf(stderr, "daft: %s: %s\n", s->def->replay, message);
+    snprintf(s->notice, sizeof s->notice, "%s", message);
+    s->notice_ns = s->def->screen->now_ns(s->def->screen) + 8000000000u;
+    return true;
+}
+
 static bool after_tick(session *s, daft_error *error)
 {
     uint64_t tick = s->play->ticks;
+    if (!compare_replay(s, error)) return false;
     if (s->def->hash && tick % HASH_TICKS == 0 && !print_hash(s, error)) return false;
     if (s->def->shot && s->def->shot_tick == tick) {
         s->shot_done = tick;
@@ -462,6 +488,42 @@ static bool run_updates(session *s, int updates, daft_error *error)
     const double ms = (double)(clock_now_ns() - began) / 1e6;
     if (updates > 0 && !s->play->failed) s->update_ms = smooth(s->update_ms, ms), s->drawn_ms += ms;
     return true;
+}
+
+/* ---- speed ---- */
+
+static double speed_of(const session *s) { return s->def->speed > 0 && game_is_replaying(s->play) ? s->def->speed : 1; }
+
+/* Updates that are due after so many nanoseconds. */
+static int updates_due(session *s, uint64_t elapsed)
+{
+    const double speed = speed_of(s);
+    if (speed == 1 || s->def->screen->headless || isinf(speed)) return loop_advance(&s->clock, elapsed);
+    const int parts = 1 + (int)(speed / 2); /* none so long that updates are dropped, unless frames are slow */
+    int updates = 0;
+    for (int i = 0; i < parts; i++) updates += loop_advance(&s->clock, (uint64_t)((double)elapsed * speed / parts));
+    return updates;
+}
+
+/* As many updates as a frame has time for. */
+static bool run_at_full_speed(session *s, daft_error *error)
+{
+    const uint64_t end = clock_now_ns() + 1000000000u / LOOP_RATE;
+    bool good = true;
+    do good = run_updates(s, 1, error);
+    while (good && isinf(speed_of(s)) && !is_over(s) && clock_now_ns() < end);
+    return good;
+}
+
+/* Without a window no clock but this one holds a replay back. */
+static void keep_pace(session *s)
+{
+    if (!s->def->screen->headless || s->def->speed <= 0 || isinf(s->def->speed)) return;
+    const uint64_t due = s->began_ns + (uint64_t)((double)s->play->ticks * 1e9 / LOOP_RATE / s->def->speed);
+    const uint64_t now = clock_now_ns();
+    if (due <= now) return;
+    const struct timespec rest = {(time_t)((due - now) / 1000000000u), (long)((due - now) % 1000000000u)};
+    nanosleep(&rest, NULL);
 }
 
 /* The time that a frame may take: the player's word goes first, then the game's. In a window a picture is wanted 60
@@ -578,7 +640,9 @@ static bool turn(session *s, daft_error *error)
     s->last_ns = now;
     if (s->turns++ > 1) s->turn_ms = smooth(s->turn_ms, (double)elapsed / 1e6); /* the first turns have no interval */
     govern(s, (double)elapsed / 1e6);
-    if (!run_updates(s, loop_advance(&s->clock, elapsed), error)) return false;
+    const bool full_speed = isinf(speed_of(s)) && !s->def->screen->headless;
+    if (!(full_speed ? run_at_full_speed(s, error) : run_updates(s, updates_due(s, elapsed), error))) return false;
+    keep_pace(s);
     rumble(s);
     if (!atomic_load(&s->leaving) && (s->def->every_frame || screen->wants_frame(screen))) {
         if (!draw(s, loop_alpha(&s->clock), error) || !screen->present(screen, s->picture, error)) return false;
@@ -592,23 +656,58 @@ static bool turn(session *s, daft_error *error)
     return true;
 }
 
+static double limit_seconds(const session *s) { return s->def->seconds > 0 ? s->def->seconds : WATCHDOG_SECONDS; }
+
+/* What is different from when it was recorded; empty: nothing that is known. */
+static const char *find_changes(session *s, const char *content, char *out, size_t size)
+{
+    const recording *r = &s->replay;
+    const uint64_t memory = daft_engine_memory(s->def->engine).limit;
+    out[0] = 0;
+    if (r->content[0] ? strcmp(r->content, content) != 0 : r->pack[0] && strcmp(r->pack, s->source->hash) != 0)
+        snprintf(out, size, "it was recorded with another version of the game, SHA-256 %s",
+                 r->content[0] ? r->content : r->pack);
+    else if (r->memory && r->memory != memory)
+        snprintf(out, size, "it was recorded with --memory-limit %" PRIu64 ", not %" PRIu64, r->memory, memory);
+    else if (r->memory && (float)r->seconds != (float)limit_seconds(s))
+        snprintf(out, size, "it was recorded with --time-limit %g, not %g", r->seconds, limit_seconds(s));
+    return out;
+}
+
+static bool open_replay(session *s, const char *content, daft_error *error)
+{
+    const session_def *def = s->def;
+    char changes[300], name[PATH_SIZE];
+    if (s->replay.game[0] && strcmp(s->replay.game, s->info->name) != 0)
+        return fail_at(error, def->replay, 0, 0, "this is a recording of the game '%s', not of '%s'", s->replay.game,
+                       s->info->name);
+    daft_escape(def->replay, name, sizeof name);
+    if (find_changes(s, content, changes, sizeof changes)[0] && def->strict)
+        return fail_at(error, def->replay, 0, 0, "%s", changes);
+    if (changes[0]) fprintf(stderr, "daft: %s: %s: it may play differently\n", name, changes);
+    if (def->strict && s->replay.end > 0 && s->replay.state_count == 0)
+        return fail_at(error, def->replay, 0, 0, "it holds no states to compare with: record it anew for --strict");
+    if (s->replay.cut)
+        fprintf(stderr, "daft: %s was cut short: it plays up to tick %" PRIu64 "\n", name, s->replay.end);
+    return true;
+}
+
 static bool open_files(session *s, daft_error *error)
 {
     const session_def *def = s->def;
-    char name[PATH_SIZE];
+    char content[SHA256_TEXT] = "";
     if (def->replay && !recording_load(&s->replay, def->replay_inside ? s->source->files : NULL, def->replay, error))
         return false;
-    if (def->replay && s->replay.game[0] && strcmp(s->replay.game, s->info->name) != 0)
-        return fail_at(error, def->replay, 0, 0, "this is a recording of the game '%s', not of '%s'", s->replay.game,
-                       s->info->name);
-    if (def->replay && s->replay.pack[0] && strcmp(s->replay.pack, s->source->hash) != 0)
-        fprintf(stderr, "daft: %s was recorded with another version of the game, SHA-256 %s: it may play differently\n",
-                daft_escape(def->replay, name, sizeof name), s->replay.pack);
-    if (def->replay && s->replay.cut)
-        fprintf(stderr, "daft: %s was cut short: it plays up to tick %" PRIu64 "\n", def->replay, s->replay.end);
+    if ((def->record || s->replay.content[0]) && !content_hash(s->source, s->info, content, error)) return false;
+    if (def->replay && !open_replay(s, content, error)) return false;
     if (!def->record) return true;
-    s->record =
-        recorder_open(def->record, s->info->name, s->source->hash, def->replay ? s->replay.seed : def->seed, error);
+    const recording_head head = {.game = s->info->name,
+                                 .pack = s->source->hash,
+                                 .content = content,
+                                 .seed = def->replay ? s->replay.seed : def->seed,
+                                 .memory = daft_engine_memory(def->engine).limit,
+                                 .seconds = limit_seconds(s)};
+    s->record = recorder_open(def->record, &head, error);
     return s->record != NULL;
 }
 
@@ -639,7 +738,7 @@ static void heard(void *user, const int16_t *frames)
 {
     session *s = user;
     if (s->sounds.writer) tape_put(&s->sounds, frames, SOUND_TICK);
-    if (s->def->speaks) audio_play(frames, SOUND_TICK);
+    if (s->def->speaks && speed_of(s) == 1) audio_play(frames, SOUND_TICK);
 }
 
 static bool run(session *s, daft_error *error)
@@ -670,7 +769,7 @@ static bool run(session *s, daft_error *error)
     watch_begin(&s->files, s->def->watches && !s->info->packed ? s->info->folder : NULL);
     if (!game_open(s->play, &play, error)) return false;
     progress_begin(&s->bar, s->info->title);
-    s->last_ns = def->screen->now_ns(def->screen);
+    s->last_ns = def->screen->now_ns(def->screen), s->began_ns = clock_now_ns();
     bool good = true;
     while (good && !is_over(s)) good = turn(s, error);
     if (atomic_load(&s->leaving)) take_events(s);

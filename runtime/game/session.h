@@ -31,6 +31,8 @@ typedef struct session_def {
     bool every_frame;            /* draw every frame when headless too */
     bool progress;               /* a bar on stderr */
     const char *record, *replay; /* files, or NULL */
+    bool strict;                 /* a replay of a changed game, or one that does not do what was recorded, fails */
+    double speed;                /* of a replay: 1 is the recorded one, INFINITY as fast as it goes; 0: not said */
     bool replay_inside;          /* the replay is one of the game's files, not of the user's */
     const char *shot;            /* file of a picture, or NULL */
     uint64_t shot_tick;          /* after so many ticks; 0: at the end */

@@ -21,7 +21,10 @@ static void play(recording *record)
 static void write_again(const recording *record, const char *path)
 {
     daft_error error;
-    recorder *writer = recorder_open(path, record->game, record->pack, record->seed, &error);
+    recorder *writer = recorder_open(
+        path,
+        &(recording_head){.game = record->game, .pack = record->pack, .content = record->content, .seed = record->seed},
+        &error);
     FUZZ_CHECK(writer);
     for (size_t i = 0; i < record->count; i++) recorder_tick(writer, record->items[i].tick, &record->items[i].event, 1);
     if (record->end > 0) recorder_tick(writer, record->end - 1, NULL, 0);

@@ -661,6 +661,7 @@ GIVE_ROOM(daft_animation, VERDICT_WRONG)
 GIVE_ROOM(daft_mesh_report, VERDICT_WRONG)
 GIVE_ROOM(daft_material_def, VERDICT_WRONG)
 GIVE_ROOM(daft_light_def, VERDICT_WRONG)
+GIVE_ROOM(daft_entity_def, VERDICT_WRONG)
 GIVE_ROOM(daft_joint_state, VERDICT_WRONG)
 GIVE_ROOM(daft_character_state, VERDICT_WRONG)
 GIVE_ROOM(daft_transform, VERDICT_WRONG)
@@ -677,6 +678,7 @@ GIVE_ROOM(daft_vec3, VERDICT_ODD)      /* either velocity */
 GIVE_ROOM(daft_event, VERDICT_ODD)     /* lists tell how long they are */
 GIVE_ROOM(daft_entity, VERDICT_ODD)    /* the same */
 GIVE_ROOM(daft_contact, VERDICT_ODD)   /* the same */
+GIVE_ROOM(daft_body_edge, VERDICT_ODD) /* the same */
 GIVE_ROOM(daft_query_hit, VERDICT_ODD) /* whether something is hit */
 GIVE_ROOM(daft_ray_hit, VERDICT_ODD)   /* the same */
 
@@ -771,6 +773,7 @@ TOOK_VALUE(daft_camera)
 TOOK_VALUE(daft_vec3)
 TOOK_VALUE(daft_memory)
 TOOK_VALUE(daft_sim_counters)
+TOOK_VALUE(daft_sim_times)
 TOOK_VALUE(daft_engine_def)
 TOOK_VALUE(daft_files_def)
 TOOK_VALUE(daft_mesh_def)

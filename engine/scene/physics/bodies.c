@@ -430,3 +430,25 @@ daft_sim_counters daft_scene_sim_counters(const daft_scene *scene)
 {
     return scene && scene->world ? daft_world_counters(scene->world) : (daft_sim_counters){0};
 }
+
+daft_sim_times daft_scene_sim_times(const daft_scene *scene)
+{
+    return scene && scene->world ? daft_world_times(scene->world) : (daft_sim_times){0};
+}
+
+uint32_t daft_scene_body_edges(const daft_scene *scene, daft_dvec3 centre, float radius, daft_body_edge *out,
+                               uint32_t capacity)
+{
+    if (!scene || !scene->world || !(radius > 0)) return 0;
+    const uint32_t there = daft_world_edges(scene->world, centre, radius, NULL, 0);
+    if (!out) capacity = 0;
+    if (capacity > there) capacity = there;
+    daft_sim_edge *edges = capacity ? daft_alloc(scene->allocator, capacity, sizeof *edges) : NULL;
+    if (!edges) capacity = 0;
+    if (capacity) daft_world_edges(scene->world, centre, radius, edges, capacity);
+    for (uint32_t i = 0; i < capacity; i++)
+        out[i] = (daft_body_edge){edges[i].from, edges[i].to,    {edges[i].user},
+                                  edges[i].kind, edges[i].awake, edges[i].sensor};
+    daft_release(scene->allocator, edges);
+    return there;
+}

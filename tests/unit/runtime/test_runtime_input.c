@@ -113,7 +113,8 @@ static void what_is_recorded_reads_back_to_the_bit(void **unused)
     size_t keys;
     input_key_names(&keys);
     daft_error error;
-    recorder *writer = recorder_open(temporary(), "some game", "", 1234567890123u, &error);
+    recorder *writer =
+        recorder_open(temporary(), &(recording_head){.game = "some game", .seed = 1234567890123u}, &error);
     assert_non_null(writer);
     uint64_t tick = 0;
     for (int i = 0; i < EVENTS; i++) {
@@ -199,7 +200,7 @@ static void a_cut_recording_plays_to_its_last_second(void **unused)
 static bool record_ten_ticks(const char *path, const char *game)
 {
     daft_error error;
-    recorder *writer = recorder_open(path, game, "", 1, &error);
+    recorder *writer = recorder_open(path, &(recording_head){.game = game, .seed = 1}, &error);
     assert_non_null(writer);
     recorder_tick(writer, 9, NULL, 0);
     bool good = recorder_finish(writer, &error);
@@ -220,7 +221,7 @@ static void a_killed_game_loses_no_recording(void **unused)
     assert_true(record_ten_ticks(path, "first"));
     pid_t child = fork();
     if (child == 0) {
-        recorder *writer = recorder_open(path, "second", "", 1, &error);
+        recorder *writer = recorder_open(path, &(recording_head){.game = "second", .seed = 1}, &error);
         for (uint64_t tick = 0; tick < 100; tick++) recorder_tick(writer, tick, &event, tick == 3);
         raise(SIGKILL);
     }
@@ -235,9 +236,9 @@ static void a_killed_game_loses_no_recording(void **unused)
     assert_true(record.cut && record.end == 60 && record.count == 1);
     recording_free(&record);
     assert_int_equal(access(part, F_OK), -1);
-    recorder *busy = recorder_open(path, "fourth", "", 1, &error);
+    recorder *busy = recorder_open(path, &(recording_head){.game = "fourth", .seed = 1}, &error);
     assert_non_null(busy);
-    assert_null(recorder_open(path, "fifth", "", 1, &error));
+    assert_null(recorder_open(path, &(recording_head){.game = "fifth", .seed = 1}, &error));
     assert_non_null(strstr(error.message, "another game"));
     assert_true(recorder_finish(busy, &error));
     recorder_free(busy);
@@ -251,7 +252,7 @@ static void letters_and_widths_are_recorded(void **unused)
     daft_error error;
     const input_event events[] = {
         {.kind = INPUT_TEXT, .key = 0xe4}, {.kind = INPUT_TEXT, .key = 0x1f600}, {.kind = INPUT_WIDTH, .x = 960.1f}};
-    recorder *writer = recorder_open(temporary(), "some game", "", 1, &error);
+    recorder *writer = recorder_open(temporary(), &(recording_head){.game = "some game", .seed = 1}, &error);
     assert_non_null(writer);
     recorder_tick(writer, 0, events, 3);
     assert_true(recorder_finish(writer, &error));
@@ -337,7 +338,7 @@ static void a_recording_holds_the_tick_that_failed(void **unused)
     (void)unused;
     daft_error error;
     const input_event event = {.kind = INPUT_KEY, .key = key("left"), .down = true};
-    recorder *writer = recorder_open(temporary(), "some game", "", 1, &error);
+    recorder *writer = recorder_open(temporary(), &(recording_head){.game = "some game", .seed = 1}, &error);
     assert_non_null(writer);
     for (uint64_t tick = 0; tick < 8; tick++) recorder_tick(writer, tick, &event, tick == 7);
     assert_true(recorder_finish(writer, &error));
@@ -359,7 +360,7 @@ static void bad_files_say_where(void **unused)
         const char *message;
     } bad[] = {
         {"", 1, 1, "not a recording"},
-        {"daft-recording 5\nend 1\n", 1, 16, "not a recording of this version"},
+        {"daft-recording 6\nend 1\n", 1, 16, "not a recording of this version"},
         {"daft-recording 3\nsaved ../x {}\nend 1\n", 2, 7, "the name of what a game saved"},
         {"daft-recording 3\nsaved\nend 1\n", 2, 6, "the name of what a game saved"},
         {"daft-recording 2\ntick 60\ntick 59\nend 60\n", 3, 8, "must not go back"},
@@ -402,7 +403,7 @@ static void bad_files_say_where(void **unused)
     assert_int_equal(error.code, DAFT_ERROR_IO);
     assert_false(recording_load(&record, NULL, "/tmp", &error));
     assert_non_null(strstr(error.message, "directory"));
-    assert_null(recorder_open("/nowhere/at/all.rec", "x", "", 1, &error));
+    assert_null(recorder_open("/nowhere/at/all.rec", &(recording_head){.game = "x", .seed = 1}, &error));
 }
 
 /* Any bytes are refused or read, and never do harm. */

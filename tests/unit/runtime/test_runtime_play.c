@@ -262,6 +262,95 @@ static void a_recording_plays_the_same_game(void **unused)
     unlink(command);
 }
 
+static void write_text(const char *path, const char *text)
+{
+    daft_error error;
+    if (!daft_write_file(path, text, strlen(text), &error)) fail_msg("%s", error.message);
+}
+
+/* Two balls; in tick 91 of the changed game the second is pushed. Its folder keeps its name, which a recording holds.
+ */
+static void write_balls(const char *folder, const char *change)
+{
+    char path[96], text[600];
+    snprintf(path, sizeof path, "%s/main.lua", folder);
+    snprintf(
+        text, sizeof text,
+        "local balls, n = {}, 0\nfor i = 1, 2 do\n  balls[i] = daft.entity { sphere = 0.5, position = {3 * i, 50, 0}, "
+        "body = \"dynamic\" }\nend\nfunction daft.update()\n  n = n + 1\n  %s\nend\n",
+        change);
+    write_text(path, text);
+}
+
+static void a_changed_game_is_told_and_where_it_parts(void **unused)
+{
+    (void)unused;
+    char folder[] = "/tmp/daft-parts-XXXXXX", command[128];
+    assert_non_null(mkdtemp(folder));
+    write_balls(folder, "");
+    assert_status(run_daft(output, "play %s --headless --ticks 200 --record %s/a.rec", folder, folder), 0, output);
+    /* The recording lies in the game's folder and is no part of the game. */
+    assert_status(run_daft(output, "play %s --headless --replay %s/a.rec --strict", folder, folder), 0, output);
+    assert_string_equal(output, "");
+    assert_status(
+        run_daft(output, "play %s --headless --replay %s/a.rec --strict --memory-limit 900MB", folder, folder), 1,
+        output);
+    assert_says(output, "recorded with --memory-limit 1000000000, not 900000000");
+    /* Other bytes, the same game. */
+    write_balls(folder, "-- nothing");
+    assert_status(run_daft(output, "play %s --headless --replay %s/a.rec", folder, folder), 0, output);
+    assert_says(output, "recorded with another version of the game, SHA-256");
+    assert_null(strstr(output, "parts in"));
+    assert_status(run_daft(output, "play %s --headless --replay %s/a.rec --strict", folder, folder), 1, output);
+    /* Another game. */
+    write_balls(folder, "if n == 91 then balls[2]:push(1, 0, 0) end");
+    assert_status(run_daft(output, "play %s --headless --replay %s/a.rec", folder, folder), 0, output);
+    assert_says(output, "it parts in tick 91; after tick 120 entity 0x");
+    assert_says(output, "differs in position, velocity");
+    snprintf(command, sizeof command, "rm -r %s", folder);
+    assert_int_equal(system(command), 0);
+}
+
+/* A random number more is in no entity. Strict replays need states. */
+static void strict_replays_compare_states(void **unused)
+{
+    (void)unused;
+    char folder[] = "/tmp/daft-parts-XXXXXX", command[128], path[64];
+    assert_non_null(mkdtemp(folder));
+    write_balls(folder, "local r = math.random()");
+    assert_status(run_daft(output, "play %s --headless --ticks 130 --record %s/a.rec", folder, folder), 0, output);
+    snprintf(command, sizeof command, "sed -i '/^content/d' %s/a.rec", folder);
+    assert_int_equal(system(command), 0);
+    write_balls(folder, "local r = math.random(); if n == 125 then math.random() end");
+    assert_status(run_daft(output, "play %s --headless --replay %s/a.rec --strict", folder, folder), 1, output);
+    assert_says(output, "it parts in tick 125");
+    snprintf(path, sizeof path, "%s/b.rec", folder);
+    write_text(path, "daft-recording 4\nend 9\n");
+    assert_status(run_daft(output, "play %s --headless --replay %s", folder, path), 0, output);
+    assert_status(run_daft(output, "play %s --headless --replay %s --strict", folder, path), 1, output);
+    assert_says(output, "it holds no states to compare with");
+    snprintf(command, sizeof command, "rm -r %s", folder);
+    assert_int_equal(system(command), 0);
+}
+
+static void replays_go_at_any_speed(void **unused)
+{
+    (void)unused;
+    char file[64];
+    snprintf(file, sizeof file, "/tmp/daft-speed-%d.rec", (int)getpid());
+    assert_status(run_daft(again, "play tests/games/bot --headless --hash --ticks 60 --record %s", file), 0, again);
+    const uint64_t began = clock_now_ns();
+    assert_status(run_daft(output, "play tests/games/bot --headless --hash --replay %s --speed 2", file), 0, output);
+    assert_true(clock_now_ns() - began > 400000000u); /* half a second of the game's second, less what rounds */
+    assert_string_equal(output, again);
+    assert_status(run_daft(output, "play tests/games/bot --headless --hash --replay %s --speed max", file), 0, output);
+    assert_string_equal(output, again);
+    assert_status(run_daft(output, "play tests/games/bot --headless --replay %s --speed 0", file), 2, output);
+    assert_status(run_daft(output, "play tests/games/bot --headless --speed 2"), 2, output);
+    assert_says(output, "--replay FILE is missing");
+    unlink(file);
+}
+
 /* ---- no display ---- */
 
 static void without_a_display_the_demo_plays_and_leaves_a_picture(void **unused)
@@ -313,6 +402,9 @@ int main(void)
                                        cmocka_unit_test(a_broken_game_reloads),
                                        cmocka_unit_test(hashes_do_not_depend_on_threads_or_instruction_set),
                                        cmocka_unit_test(a_recording_plays_the_same_game),
+                                       cmocka_unit_test(a_changed_game_is_told_and_where_it_parts),
+                                       cmocka_unit_test(strict_replays_compare_states),
+                                       cmocka_unit_test(replays_go_at_any_speed),
                                        cmocka_unit_test(without_a_display_the_demo_plays_and_leaves_a_picture)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

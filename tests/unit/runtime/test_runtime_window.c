@@ -234,6 +234,26 @@ static void count_lines(const char *path, const char *wanted, int *count)
     fclose(file);
 }
 
+/* Two equal pictures but for what F3 draws: pressed twice it is gone. */
+static void f3_draws_the_shapes_of_bodies(void **unused)
+{
+    (void)unused;
+    static const happening none[] = {{20, "close", 0, 0}}, once[] = {{5, "+f3", 0, 0}, {20, "close", 0, 0}},
+                           twice[] = {{5, "+f3", 0, 0}, {8, "+f3", 0, 0}, {20, "close", 0, 0}};
+    uint64_t hashes[3];
+    const struct {
+        const happening *script;
+        size_t count;
+    } runs[] = {{none, 1}, {once, 2}, {twice, 3}};
+    for (int i = 0; i < 3; i++) {
+        set_up(runs[i].script, runs[i].count);
+        assert_int_equal(play("physics"), SESSION_CLOSED);
+        hashes[i] = s.screen.hash;
+        tear_down();
+    }
+    assert_true(hashes[0] != hashes[1] && hashes[0] == hashes[2]);
+}
+
 /* ---- the pause menu ---- */
 
 static void make_folder(void)
@@ -795,7 +815,8 @@ static void a_menu_without_games_can_be_left(void **unused)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(escape_leaves_and_the_window_closes),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(f3_draws_the_shapes_of_bodies),
+                                       cmocka_unit_test(escape_leaves_and_the_window_closes),
                                        cmocka_unit_test(escape_pauses_and_the_game_stands_still),
                                        cmocka_unit_test(the_pause_menu_shows_itself_and_goes_by_mouse),
                                        cmocka_unit_test(settings_last),
