@@ -115,6 +115,25 @@ void daft_scene_set_ambient_occlusion(daft_scene *scene, float distance)
                      "left as it was: %s is %g; it must be 0 to 1e6", name, (double)distance);
 }
 
+daft_fog daft_default_fog(void)
+{
+    daft_fog fog;
+    daft_struct_default(DAFT_STRUCT_FOG, &fog);
+    return fog;
+}
+
+bool daft_scene_set_fog(daft_scene *scene, const daft_fog *fog, daft_error *error)
+{
+    daft_error_clear(error);
+    if (!daft_scene_ready(scene, error) || !daft_check_pointer(error, "fog", fog) ||
+        !daft_struct_check(DAFT_STRUCT_FOG, fog, error))
+        return false;
+    scene->fog = *fog;
+    return true;
+}
+
+daft_fog daft_scene_fog(const daft_scene *scene) { return scene ? scene->fog : daft_default_fog(); }
+
 daft_sky_item *daft_sky_item_read(const daft_scene *scene, const char *path, daft_error *error)
 {
     daft_sky_item *item = daft_alloc_zero(scene->allocator, 1, sizeof *item);

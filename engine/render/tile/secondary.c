@@ -40,7 +40,7 @@ static void see_sky(daft_ray_batch *sky, const daft_ray_batch *rays, uint32_t i)
     sky->pixel[at] = rays->pixel[i];
 }
 
-void daft_tile_trace(tile_job *j, const daft_ray_batch *rays, daft_effect_kind effect, uint32_t shown, daft_batch *next)
+void daft_tile_trace(tile_job *j, daft_ray_batch *rays, daft_effect_kind effect, uint32_t shown, daft_batch *next)
 {
     daft_scratch *s = j->s;
     daft_hit hits[STREAM];
@@ -48,6 +48,7 @@ void daft_tile_trace(tile_job *j, const daft_ray_batch *rays, daft_effect_kind e
     s->sky.count = 0;
     for (uint32_t first = 0, count; first < rays->count; first += count) {
         count = trace_some(j, rays, first, shown, hits);
+        if (j->frame->plan.fog) daft_fog_rays(j, rays, first, hits, count);
         for (uint32_t i = 0; i < count; i++)
             if (hits[i].instance == UINT32_MAX) see_sky(&s->sky, rays, first + i);
         if (j->s->gloss && j->s->gloss->asks) daft_gloss_meet(j, rays, first, hits, count);
