@@ -166,13 +166,16 @@ void daft_sky_adopt(daft_scene *scene, daft_sky_item *item)
     let_go_of_sky(scene);
     scene->looks = ++scene->engine->revision;
     scene->sky_item = item;
-    scene->sky = (daft_sky){.kind = DAFT_SKY_IMAGE, .image = &item->image};
+    scene->sky = (daft_sky){.kind = DAFT_SKY_IMAGE, .image = &item->image, .mean = daft_sky_mean(&item->image)};
 }
 
 static void set_plain_sky(daft_scene *scene, daft_sky_kind kind, daft_vec3 zenith, daft_vec3 horizon)
 {
     let_go_of_sky(scene);
-    scene->sky = (daft_sky){.kind = kind, .zenith = zenith, .horizon = horizon};
+    /* The integral of what sky_gradient() says, over all directions. */
+    const daft_vec3 mean = daft_add(daft_scale(zenith, 3.0f / 5), daft_scale(horizon, 19.0f / 60));
+    scene->sky =
+        (daft_sky){.kind = kind, .zenith = zenith, .horizon = horizon, .mean = kind == DAFT_SKY_COLOR ? zenith : mean};
 }
 
 void daft_scene_set_sky_color(daft_scene *scene, daft_vec3 color)

@@ -66,6 +66,7 @@ typedef enum daft_sky_kind { DAFT_SKY_COLOR = 0, DAFT_SKY_GRADIENT, DAFT_SKY_IMA
 typedef struct daft_sky {
     daft_sky_kind kind;
     daft_vec3 zenith, horizon; /* colour: zenith alone */
+    daft_vec3 mean;            /* over all directions */
     const daft_sky_image *image;
 } daft_sky;
 

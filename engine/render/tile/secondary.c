@@ -60,6 +60,22 @@ void daft_tile_trace(tile_job *j, daft_ray_batch *rays, daft_effect_kind effect,
     book(j, effect);
 }
 
+/* Where mirrors are not followed any more they show the sky's mean colour. */
+static void end_mirrors(tile_job *j, const daft_batch *points, const daft_spawning *last)
+{
+    daft_spawning all = *last;
+    daft_scratch *s = j->s;
+    all.mirrors = true, all.rough = false;
+    j->r->kernels->spawn(j->snapshot, points, &all, &s->rays, NULL);
+    for (uint32_t i = 0; i < s->rays.count; i++) {
+        const uint32_t pixel = s->rays.pixel[i];
+        const daft_vec3 mean = j->snapshot->sky.mean;
+        s->color.x[pixel] += s->rays.weight.x[i] * mean.x, s->color.y[pixel] += s->rays.weight.y[i] * mean.y;
+        s->color.z[pixel] += s->rays.weight.z[i] * mean.z;
+    }
+    s->rays.count = 0;
+}
+
 void daft_tile_spawn(tile_job *j, const daft_batch *points, int depth, uint32_t ray, uint32_t rays)
 {
     const daft_plan *plan = &j->frame->plan;
@@ -78,6 +94,7 @@ void daft_tile_spawn(tile_job *j, const daft_batch *points, int depth, uint32_t 
     bool refracts = j->frame->plan.refracts && depth < plan->quality->refraction_depth;
     j->s->rays.count = 0;
     if (!(points->traits & DAFT_TRAIT_SENDS)) return;
+    if (plan->reflects && !allowed.mirrors) end_mirrors(j, points, &allowed);
     if (allowed.mirrors || refracts)
         j->r->kernels->spawn(j->snapshot, points, &allowed, &j->s->rays, refracts ? &j->s->refracted[depth] : NULL);
 }
