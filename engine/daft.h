@@ -842,6 +842,19 @@ DAFT_API void daft_scene_set_ambient(daft_scene *scene, daft_vec3 color); /* lig
  * nothing does. */
 DAFT_API void daft_scene_set_ambient_occlusion(daft_scene *scene, float distance);
 
+/* Fog: light from what is seen is lost on its way by exp(-optical depth), and the fog's own colour takes its place. */
+typedef struct daft_fog {
+    daft_vec3 color;
+    float density; /* 1/m, at `base` and, where `height` is 0, everywhere: exp(-density * metres) is left; 0: no fog */
+    float height;  /* metres over which it thins to 1/e; 0: it is equally dense everywhere, and hides all of the sky */
+    float base;    /* metres, of the world's y */
+    float glow;    /* 0 to 1: towards the first sun the fog has this much of its colour */
+} daft_fog;
+
+DAFT_API daft_fog daft_default_fog(void); /* grey, of density 0 */
+DAFT_API bool daft_scene_set_fog(daft_scene *scene, const daft_fog *fog, daft_error *error);
+DAFT_API daft_fog daft_scene_fog(const daft_scene *scene);
+
 DAFT_API void daft_scene_set_sky_color(daft_scene *scene, daft_vec3 color);
 DAFT_API void daft_scene_set_sky_gradient(daft_scene *scene, daft_vec3 zenith, daft_vec3 horizon);
 /* One equirectangular image; u = 0.5 + atan2(dz, dx)/2pi, v = 0.5 + asin(dy)/pi, v = 1 the top row. */
@@ -1216,6 +1229,7 @@ typedef enum daft_effect_kind {
     DAFT_EFFECT_ANTIALIASING, /* more samples of pixels that differ from their neighbours: all of their work */
     DAFT_EFFECT_OCCLUSION,    /* rays around points, for the ambient light */
     DAFT_EFFECT_DENOISE,      /* filters what is sampled */
+    DAFT_EFFECT_FOG,
     DAFT_EFFECT_COUNT
 } daft_effect_kind;
 
@@ -1276,6 +1290,7 @@ typedef enum daft_struct {
     DAFT_STRUCT_SCAN_DEF,
     DAFT_STRUCT_CHARACTER_DEF,
     DAFT_STRUCT_PLAY_DEF,
+    DAFT_STRUCT_FOG,
     DAFT_STRUCT_COUNTERS,
     DAFT_STRUCT_SIM_COUNTERS,
     DAFT_STRUCT_COUNT

@@ -207,6 +207,13 @@ local voice = {}
 ---@field radius? number Of the ball that glows, for soft shadows; 0: a point, whose shadows are sharp (number, m, 0 to 1e+06); 0 unless given
 ---@field range? number Where its light ends, having faded all the way; 0: it is equally bright at any distance (number, m, 0 to 1e+06); 0 unless given
 
+---@class daft.fog.options
+---@field color? daft.color Its own colour in linear light; {0.7, 0.7, 0.7} unless given
+---@field density? number At base: exp(-density * metres) is left of light; 0: no fog (number, 1/m, 0 to 1000); 0 unless given
+---@field height? number In which it thins to 1/e; 0: it is equally dense everywhere, and hides all of the sky (number, m, 0 to 1e+06); 0 unless given
+---@field base? number Height in the world at which it has its density (number, m, -1e+06 to 1e+06); 0 unless given
+---@field glow? number How much of the first sun's colour it has towards that (number, 0 to 1); 0 unless given
+
 ---@class daft.camera.set.options
 ---@field position? daft.vector|daft.entity Where it is; {0, 0, 0} unless given
 ---@field yaw? number 0 looks along +X, positive turns right, towards +Z (number, rad, -1e+06 to 1e+06); 0 unless given
@@ -694,6 +701,10 @@ function light:valid() end
 ---@param color daft.color
 ---@param occlusion? number
 function daft.ambient(color, occlusion) end
+
+---Fog between what is seen and the camera; an empty table takes it away.
+---@param options daft.fog.options
+function daft.fog(options) end
 
 ---The same sky everywhere.
 ---@param color daft.color

@@ -63,6 +63,8 @@ typedef struct daft_sky_image {
 
 bool daft_sky_read(const daft_allocator *allocator, const daft_files *files, const char *path, daft_sky_image *out,
                    daft_error *error);
+/* Over all directions: of at least 256 rows, as far as there are so many. */
+daft_vec3 daft_sky_mean(const daft_sky_image *sky);
 void daft_sky_free(const daft_allocator *allocator, daft_sky_image *sky);
 
 #endif

@@ -4,6 +4,7 @@
 #include "image/decode.h"
 #include "image/image.h"
 #include "image/stb_memory.h"
+#include "math/trig.h"
 
 bool daft_sky_read(const daft_allocator *allocator, const daft_files *files, const char *path, daft_sky_image *out,
                    daft_error *error)
@@ -34,4 +35,19 @@ void daft_sky_free(const daft_allocator *allocator, daft_sky_image *sky)
     else
         daft_release(allocator, sky->texels);
     *sky = (daft_sky_image){0};
+}
+
+daft_vec3 daft_sky_mean(const daft_sky_image *sky)
+{
+    const int step = sky->height > 512 ? sky->height / 256 : 1;
+    double sum[3] = {0}, whole = 0;
+    for (int y = 0; y < sky->height; y += step) {
+        const double weight = daft_cos(DAFT_PI * ((y + 0.5) / sky->height - 0.5)); /* of the row's solid angle */
+        for (int x = 0; x < sky->width; x += step) {
+            const float *texel = sky->texels + 3 * ((size_t)y * (size_t)sky->width + (size_t)x);
+            for (int c = 0; c < 3; c++) sum[c] += weight * (double)texel[c];
+            whole += weight;
+        }
+    }
+    return (daft_vec3){(float)(sum[0] / whole), (float)(sum[1] / whole), (float)(sum[2] / whole)};
 }

@@ -5,9 +5,9 @@
 
 #include <string.h>
 
-static const char *const EFFECT_NAMES[DAFT_EFFECT_COUNT] = {"visibility", "surface",      "texture",    "shadow",
-                                                            "lighting",   "reflection",   "refraction", "sky",
-                                                            "resolve",    "antialiasing", "occlusion",  "denoise"};
+static const char *const EFFECT_NAMES[DAFT_EFFECT_COUNT] = {
+    "visibility", "surface", "texture",      "shadow",    "lighting", "reflection", "refraction",
+    "sky",        "resolve", "antialiasing", "occlusion", "denoise",  "fog"};
 
 static const daft_render_kernels *kernels_for(int isa)
 {

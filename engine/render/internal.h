@@ -14,6 +14,7 @@ typedef struct daft_plan {
     bool denoise;                                /* what they sample is filtered */
     bool soft, occlusion;                        /* some of these shadows are soft; ambient light is occluded */
     bool samples_light;                          /* either */
+    bool fog;                                    /* between what is seen and the eye */
     bool glossy;                                 /* some material that mirrors or transmits is rough */
     bool tints, may_refract;                     /* some of these shadows let light through; some material transmits */
     bool reflects, refracts;                     /* of the running sample: what is seen may send such rays on */
@@ -48,8 +49,8 @@ typedef struct daft_scratch {
     daft_facets facets;
     daft_batch points, next;
     daft_ray_batch rays, sky;
-    daft_lanes3 sky_color;
-    daft_lanes3 color; /* of the tile's pixels: row · DAFT_TILE + column */
+    daft_lanes3 sky_color, far_fog; /* far_fog: of rays that meet nothing */
+    daft_lanes3 color;              /* of the tile's pixels: row · DAFT_TILE + column */
     uint32_t candidates[DAFT_MAX_OCCLUDERS];
     uint32_t lit[DAFT_SAMPLES_WORDS], under[DAFT_SAMPLES_WORDS];
     daft_sampled_light *sampled; /* NULL: the frame has none */

@@ -135,7 +135,7 @@ typedef struct daft_seen_list {
 
 typedef struct daft_render_kernels {
     /* Turns a tile's visible surfaces into points of weight 1, filling only the fields that the definition asks for.
-     * The other pixels become sky rays, with directions where the sky has more than one colour. */
+     * The other pixels become sky rays, with directions where the sky has more than one colour or there is fog. */
     void (*surfaces)(const daft_surfaces_def *def, const daft_tile *tile, daft_facets *facets, daft_batch *points,
                      daft_ray_batch *sky);
     /* The same for rays in a list. */

@@ -113,6 +113,8 @@ daft_plan daft_plan_make(const daft_snapshot *snapshot)
     none[DAFT_EFFECT_REFRACTION] = plan.may_refract                      ? "nothing that transmits is seen"
                                    : plan.quality->refraction_depth == 0 ? "this quality has no refraction"
                                                                          : "no material transmits";
+    plan.fog = snapshot->air.density > 0;
+    why[DAFT_EFFECT_FOG] = "the scene has fog", none[DAFT_EFFECT_FOG] = "the scene has no fog";
     why[DAFT_EFFECT_SKY] = "the sky is seen", none[DAFT_EFFECT_SKY] = "the sky is not seen";
     why[DAFT_EFFECT_RESOLVE] = "every picture";
     const char **edges = &none[DAFT_EFFECT_ANTIALIASING];

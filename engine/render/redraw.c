@@ -227,7 +227,8 @@ static bool same_view(const daft_snapshot *a, const daft_snapshot *b)
 static bool same_everywhere(const daft_snapshot *a, const daft_snapshot *b)
 {
     return a->looks == b->looks && a->occlusion == b->occlusion && same_floats(&a->ambient.x, &b->ambient.x, 3) &&
-           a->light_count == b->light_count && same_sky(&a->sky, &b->sky) && same_quality(&a->quality, &b->quality);
+           a->light_count == b->light_count && memcmp(&a->air, &b->air, sizeof a->air) == 0 &&
+           same_sky(&a->sky, &b->sky) && same_quality(&a->quality, &b->quality);
 }
 
 static bool same_light(const daft_light_source *a, const daft_light_source *b)

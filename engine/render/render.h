@@ -57,6 +57,7 @@ typedef struct daft_snapshot {
     daft_vec3 ambient;
     float occlusion; /* metres within which what stands around keeps ambient light away; 0: nothing does */
     uint32_t seed;   /* of what is sampled */
+    daft_air air;
     daft_sky sky;
     /* From frame space to the view space of the picture before, of what each instance shows and, last, of the sky's
      * directions; NULL: there was none. */

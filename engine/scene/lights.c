@@ -115,6 +115,25 @@ void daft_scene_set_ambient_occlusion(daft_scene *scene, float distance)
                      "left as it was: %s is %g; it must be 0 to 1e6", name, (double)distance);
 }
 
+daft_fog daft_default_fog(void)
+{
+    daft_fog fog;
+    daft_struct_default(DAFT_STRUCT_FOG, &fog);
+    return fog;
+}
+
+bool daft_scene_set_fog(daft_scene *scene, const daft_fog *fog, daft_error *error)
+{
+    daft_error_clear(error);
+    if (!daft_scene_ready(scene, error) || !daft_check_pointer(error, "fog", fog) ||
+        !daft_struct_check(DAFT_STRUCT_FOG, fog, error))
+        return false;
+    scene->fog = *fog;
+    return true;
+}
+
+daft_fog daft_scene_fog(const daft_scene *scene) { return scene ? scene->fog : daft_default_fog(); }
+
 daft_sky_item *daft_sky_item_read(const daft_scene *scene, const char *path, daft_error *error)
 {
     daft_sky_item *item = daft_alloc_zero(scene->allocator, 1, sizeof *item);
@@ -147,13 +166,16 @@ void daft_sky_adopt(daft_scene *scene, daft_sky_item *item)
     let_go_of_sky(scene);
     scene->looks = ++scene->engine->revision;
     scene->sky_item = item;
-    scene->sky = (daft_sky){.kind = DAFT_SKY_IMAGE, .image = &item->image};
+    scene->sky = (daft_sky){.kind = DAFT_SKY_IMAGE, .image = &item->image, .mean = daft_sky_mean(&item->image)};
 }
 
 static void set_plain_sky(daft_scene *scene, daft_sky_kind kind, daft_vec3 zenith, daft_vec3 horizon)
 {
     let_go_of_sky(scene);
-    scene->sky = (daft_sky){.kind = kind, .zenith = zenith, .horizon = horizon};
+    /* The integral of what sky_gradient() says, over all directions. */
+    const daft_vec3 mean = daft_add(daft_scale(zenith, 3.0f / 5), daft_scale(horizon, 19.0f / 60));
+    scene->sky =
+        (daft_sky){.kind = kind, .zenith = zenith, .horizon = horizon, .mean = kind == DAFT_SKY_COLOR ? zenith : mean};
 }
 
 void daft_scene_set_sky_color(daft_scene *scene, daft_vec3 color)

@@ -263,6 +263,7 @@ struct daft_scene {
     uint64_t listings, posings; /* counts lists of instances, and changes of poses that pictures show */
     daft_vec3 ambient;
     float occlusion; /* metres; 0: none */
+    daft_fog fog;
     daft_sky sky;
     daft_sky_item *sky_item; /* NULL: no image */
 

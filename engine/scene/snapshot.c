@@ -51,6 +51,19 @@ static bool fill_lights(daft_scene *scene, const daft_view *view, daft_scene_fra
     return true;
 }
 
+/* Towards the first sun, fog has some of its colour. */
+static daft_air air_of(const daft_scene *scene, const daft_view *view, const daft_snapshot *s)
+{
+    const daft_fog *fog = &scene->fog;
+    daft_air air = {.color = fog->color,
+                    .density = view->without & DAFT_WITHOUT_SHADING ? 0 : fog->density,
+                    .thinning = fog->height > 0 ? 1 / fog->height : 0,
+                    .base = (float)((double)fog->base - view->camera.position.y)};
+    for (uint32_t i = s->light_count; i-- > 0 && fog->glow > 0;)
+        if (s->lights[i].sun) air.glow = fog->glow, air.sun = s->lights[i].color, air.to_sun = s->lights[i].to_light;
+    return air;
+}
+
 static daft_vec3 ambient_of(const daft_scene *scene, const daft_view *view)
 {
     if (view->without & DAFT_WITHOUT_SHADING) return (daft_vec3){1, 1, 1};
@@ -70,5 +83,7 @@ bool daft_snapshot_fill(daft_scene *scene, const daft_view *view, int width, int
     s->occlusion = view->without & DAFT_WITHOUT_SHADING ? 0 : scene->occlusion;
     s->sky = scene->sky;
     daft_camera_axes(&view->camera, &s->right, &s->up, &s->forward);
-    return fill_lights(scene, view, frame, error);
+    if (!fill_lights(scene, view, frame, error)) return false;
+    s->air = air_of(scene, view, s);
+    return true;
 }

@@ -9,6 +9,8 @@
 bool DAFT_KERNEL(daft_albedo)(daft_batch *batch, const daft_surface *materials, const daft_texture_data *textures,
                               daft_texture_filter filter);
 void DAFT_KERNEL(daft_sky_color)(const daft_sky *sky, const daft_lanes3 *direction, uint32_t count, daft_lanes3 *color);
+void DAFT_KERNEL(daft_fog_way)(const daft_air *air, const daft_lanes3 *origin, const daft_lanes3 *direction,
+                               const float *length, uint32_t first, uint32_t count, float *through, daft_lanes3 *own);
 void DAFT_KERNEL(daft_encode)(const float *r, const float *g, const float *b, uint32_t count, uint8_t *rgba);
 void DAFT_KERNEL(daft_decode)(const uint8_t *rgba, uint32_t count, float *r, float *g, float *b);
 

@@ -186,6 +186,7 @@ const daft_shade_kernels DAFT_KERNEL(daft_shade) = {
     .facing = facing,
     .direct_light = direct_light,
     .sky = DAFT_KERNEL(daft_sky_color),
+    .fog = DAFT_KERNEL(daft_fog_way),
     .scatter = scatter,
     .scatter_add = scatter_add,
     .encode = DAFT_KERNEL(daft_encode),

@@ -51,11 +51,22 @@ typedef struct daft_light_source {
     float cone_cosine, cone_scale; /* spot: cosine of the outer angle; 1 / (cosine of the inner angle - cone_cosine) */
 } daft_light_source;
 
+/* Fog as its kernel reads it, in frame space. */
+typedef struct daft_air {
+    daft_vec3 color;
+    float density;  /* 1/m, at `base`; 0: no fog */
+    float thinning; /* 1/m: 1 / the height in which it thins to 1/e; 0: it does not */
+    float base;     /* metres, y */
+    float glow;     /* fraction of `sun` that it has towards `to_sun` */
+    daft_vec3 sun, to_sun;
+} daft_air;
+
 typedef enum daft_sky_kind { DAFT_SKY_COLOR = 0, DAFT_SKY_GRADIENT, DAFT_SKY_IMAGE } daft_sky_kind;
 
 typedef struct daft_sky {
     daft_sky_kind kind;
     daft_vec3 zenith, horizon; /* colour: zenith alone */
+    daft_vec3 mean;            /* over all directions */
     const daft_sky_image *image;
 } daft_sky;
 
@@ -114,6 +125,11 @@ typedef struct daft_shade_kernels {
                          const uint32_t lit[DAFT_BATCH_WORDS], const daft_lanes3 *arriving, const daft_vec3 *first);
     /* The sky's colour in `count` directions of any length. */
     void (*sky)(const daft_sky *sky, const daft_lanes3 *direction, uint32_t count, daft_lanes3 *color);
+    /* What fog does on the way of rays first.. to `count`: the fraction of light that comes through, and the fog's own
+     * light. `origin` NULL: the camera; `length` NULL: to infinity. Directions of any length. Arrays of results begin
+     * with the first ray's. */
+    void (*fog)(const daft_air *air, const daft_lanes3 *origin, const daft_lanes3 *direction, const float *length,
+                uint32_t first, uint32_t count, float *through, daft_lanes3 *own);
     /* color[pixel[i]] = light[i], and += weight[i]·light[i]. */
     void (*scatter)(daft_lanes3 *color, const uint32_t *pixel, uint32_t count, const daft_lanes3 *light);
     void (*scatter_add)(daft_lanes3 *color, const uint32_t *pixel, uint32_t count, const daft_lanes3 *weight,

@@ -40,7 +40,7 @@ static void see_sky(daft_ray_batch *sky, const daft_ray_batch *rays, uint32_t i)
     sky->pixel[at] = rays->pixel[i];
 }
 
-void daft_tile_trace(tile_job *j, const daft_ray_batch *rays, daft_effect_kind effect, uint32_t shown, daft_batch *next)
+void daft_tile_trace(tile_job *j, daft_ray_batch *rays, daft_effect_kind effect, uint32_t shown, daft_batch *next)
 {
     daft_scratch *s = j->s;
     daft_hit hits[STREAM];
@@ -48,6 +48,7 @@ void daft_tile_trace(tile_job *j, const daft_ray_batch *rays, daft_effect_kind e
     s->sky.count = 0;
     for (uint32_t first = 0, count; first < rays->count; first += count) {
         count = trace_some(j, rays, first, shown, hits);
+        if (j->frame->plan.fog) daft_fog_rays(j, rays, first, hits, count);
         for (uint32_t i = 0; i < count; i++)
             if (hits[i].instance == UINT32_MAX) see_sky(&s->sky, rays, first + i);
         if (j->s->gloss && j->s->gloss->asks) daft_gloss_meet(j, rays, first, hits, count);
@@ -57,6 +58,22 @@ void daft_tile_trace(tile_job *j, const daft_ray_batch *rays, daft_effect_kind e
     daft_cost_add(j, rays->pixel, rays->count);
     ran(j, effect);
     book(j, effect);
+}
+
+/* Where mirrors are not followed any more they show the sky's mean colour. */
+static void end_mirrors(tile_job *j, const daft_batch *points, const daft_spawning *last)
+{
+    daft_spawning all = *last;
+    daft_scratch *s = j->s;
+    all.mirrors = true, all.rough = false;
+    j->r->kernels->spawn(j->snapshot, points, &all, &s->rays, NULL);
+    for (uint32_t i = 0; i < s->rays.count; i++) {
+        const uint32_t pixel = s->rays.pixel[i];
+        const daft_vec3 mean = j->snapshot->sky.mean;
+        s->color.x[pixel] += s->rays.weight.x[i] * mean.x, s->color.y[pixel] += s->rays.weight.y[i] * mean.y;
+        s->color.z[pixel] += s->rays.weight.z[i] * mean.z;
+    }
+    s->rays.count = 0;
 }
 
 void daft_tile_spawn(tile_job *j, const daft_batch *points, int depth, uint32_t ray, uint32_t rays)
@@ -77,6 +94,7 @@ void daft_tile_spawn(tile_job *j, const daft_batch *points, int depth, uint32_t 
     bool refracts = j->frame->plan.refracts && depth < plan->quality->refraction_depth;
     j->s->rays.count = 0;
     if (!(points->traits & DAFT_TRAIT_SENDS)) return;
+    if (plan->reflects && !allowed.mirrors) end_mirrors(j, points, &allowed);
     if (allowed.mirrors || refracts)
         j->r->kernels->spawn(j->snapshot, points, &allowed, &j->s->rays, refracts ? &j->s->refracted[depth] : NULL);
 }

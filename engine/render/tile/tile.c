@@ -26,8 +26,8 @@ void daft_tile_surfaces(tile_job *j, const daft_pencil *pencil, const daft_seen_
     const daft_surfaces_def def = {.snapshot = frame->snapshot,
                                    .pencil = pencil,
                                    .shadows = frame->plan.shadows || frame->plan.occlusion,
-                                   .distance =
-                                       frame->target->aov.depth || frame->target->aov.motion || frame->plan.denoise};
+                                   .distance = frame->target->aov.depth || frame->target->aov.motion ||
+                                               frame->plan.denoise || frame->plan.fog};
     if (list)
         j->r->kernels->listed_surfaces(&def, list, &s->facets, &s->points, &s->sky);
     else
@@ -108,6 +108,7 @@ static void light_points(tile_job *j, daft_batch *points, bool seen)
         first = NULL;
     }
     if (first) j->r->shade->ambient(points, snapshot->materials, *first);
+    if (seen && j->frame->plan.fog) daft_fog_points(j, points);
     const bool sampled = j->s->sampled && j->s->sampled->some, filtered = j->frame->plan.denoise && !j->refines;
     if (sampled && filtered) daft_denoise_take(j, points, seen);
     if (sampled && !filtered) daft_tile_add_sampled(j->s->sampled, points);
@@ -144,6 +145,7 @@ static void shade_visible(tile_job *j)
     book(j, DAFT_EFFECT_LIGHTING);
     if (sky->count == 0) return;
     kernels->sky(&j->snapshot->sky, &sky->direction, sky->count, &s->sky_color);
+    if (j->frame->plan.fog) daft_fog_sky(j);
     kernels->scatter(&s->color, sky->pixel, sky->count, &s->sky_color);
     ran(j, DAFT_EFFECT_SKY);
     book(j, DAFT_EFFECT_SKY);

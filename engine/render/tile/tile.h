@@ -78,13 +78,17 @@ const daft_lanes3 *daft_tile_tints(tile_job *j, const daft_batch *points, const 
 /* secondary.c: the rays that points `depth` surfaces away send on, into s->rays, and s->refracted[depth] where some
  * transmit; of rough ones that pixels see number `ray` of `rays`. */
 void daft_tile_spawn(tile_job *j, const daft_batch *points, int depth, uint32_t ray, uint32_t rays);
-/* Traces rays: hits become the batch `next`, misses see s->sky. `shown`: bits of the planar mirrors that know their
- * rays' hits. */
-void daft_tile_trace(tile_job *j, const daft_ray_batch *rays, daft_effect_kind effect, uint32_t shown,
-                     daft_batch *next);
+/* Traces rays, of which fog takes weight: hits become the batch `next`, misses see s->sky. `shown`: bits of the planar
+ * mirrors that know their rays' hits. */
+void daft_tile_trace(tile_job *j, daft_ray_batch *rays, daft_effect_kind effect, uint32_t shown, daft_batch *next);
 /* The deepest of the refracted rays that wait for points at `depth` or less to be done. Deeper ones have been followed,
  * so one batch for each depth is room enough. -1: none. */
 int daft_tile_deepest_waiting(const tile_job *j, int depth);
+/* fog.c: on the way from the camera to a batch's points, whose weight becomes what comes through; to the sky, whose
+ * light is in s->sky_color; and along traced rays first.. to their hits. Only where the frame has some. */
+void daft_fog_points(tile_job *j, daft_batch *points);
+void daft_fog_sky(tile_job *j);
+void daft_fog_rays(tile_job *j, daft_ray_batch *rays, uint32_t first, const daft_hit *hits, uint32_t count);
 /* resolve.c: j->color into the picture's bytes, over all samples; or as it is. */
 void daft_tile_resolve(tile_job *j);
 void daft_tile_show(tile_job *j);

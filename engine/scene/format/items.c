@@ -49,9 +49,13 @@ static const daft_field AMBIENT = DAFT_COLOR_ROW(item, ambient, ZERO_OR_MORE, .d
 static const daft_field OCCLUSION = DAFT_ROW(item, occlusion, FROM(0, 1e6), .unit = "m",
                                              .doc = "What stands within this distance keeps ambient light away");
 
+static const daft_field ZENITH = DAFT_COLOR_ROW(item, zenith, ZERO_OR_MORE, .doc = "The sky's colour above");
+static const daft_field HORIZON = DAFT_COLOR_ROW(item, horizon, ZERO_OR_MORE, .doc = "And at the horizon");
+
 /* clang-format off */
 #define NO_STRUCT     DAFT_STRUCT_COUNT, 0, 0
 #define CAMERA        DAFT_STRUCT_CAMERA, offsetof(item, camera), 0
+#define FOG           DAFT_STRUCT_FOG, offsetof(item, fog), 0
 #define QUALITY       DAFT_STRUCT_QUALITY, offsetof(item, quality), 0
 #define LIGHT(kind)   DAFT_STRUCT_LIGHT_DEF, offsetof(item, light), kind
 #define ENTITY(shape) DAFT_STRUCT_ENTITY_DEF, offsetof(item, entity), shape
@@ -92,6 +96,12 @@ static const form FORMS[] = {
     {"ambient", DAFT_ITEM_AMBIENT, NO_STRUCT, {
         FIELD("r g b", NULL, .own = &AMBIENT),
         FIELD("occlusion", NULL, .own = &OCCLUSION, .optional = true)}},
+    {"sky", DAFT_ITEM_SKY, NO_STRUCT, {
+        FIELD("r g b", NULL, .own = &ZENITH),
+        FIELD("hr hg hb", NULL, .own = &HORIZON)}},
+    {"fog", DAFT_ITEM_FOG, FOG, {
+        FIELD("r g b", "color"),
+        FIELD("density", "density")}},
     {"quality", DAFT_ITEM_QUALITY, QUALITY, {
         PRESET("preset")}},
     {"path", DAFT_ITEM_PATH, CAMERA, {

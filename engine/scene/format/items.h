@@ -12,6 +12,8 @@ typedef enum daft_scene_item_kind {
     DAFT_ITEM_SKYBOX,
     DAFT_ITEM_LIGHT,
     DAFT_ITEM_AMBIENT,
+    DAFT_ITEM_FOG,
+    DAFT_ITEM_SKY, /* of one colour, or from zenith to horizon */
     DAFT_ITEM_QUALITY,
     DAFT_ITEM_SPHERE,
     DAFT_ITEM_MESH,
@@ -38,6 +40,10 @@ typedef struct daft_scene_item {
             float occlusion;
         };
         daft_entity_def entity;
+        daft_fog fog;
+        struct {
+            daft_vec3 zenith, horizon;
+        };
     };
 } daft_scene_item;
 

@@ -159,6 +159,8 @@ static bool load_asset(loader *load, item *named)
     case DAFT_ITEM_CAMERA: return daft_check_camera(&load->error, "camera", &named->camera);
     case DAFT_ITEM_PATH: return check_checkpoint(load, named);
     case DAFT_ITEM_AMBIENT:
+    case DAFT_ITEM_FOG:
+    case DAFT_ITEM_SKY:
     case DAFT_ITEM_QUALITY:
     case DAFT_ITEM_INCLUDE:
     case DAFT_ITEM_REFUSED: break;
@@ -211,6 +213,8 @@ static void commit(loader *load)
         case DAFT_ITEM_PATH: daft_path_insert(scene, &(daft_checkpoint){made->camera, made->time}); break;
         case DAFT_ITEM_LIGHT: daft_light_insert(scene, &made->light); break;
         case DAFT_ITEM_AMBIENT: scene->ambient = made->ambient, scene->occlusion = made->occlusion; break;
+        case DAFT_ITEM_FOG: scene->fog = made->fog; break;
+        case DAFT_ITEM_SKY: daft_scene_set_sky_gradient(scene, made->zenith, made->horizon); break;
         case DAFT_ITEM_QUALITY: scene->quality = made->quality; break;
         case DAFT_ITEM_SPHERE:
         case DAFT_ITEM_MESH: insert_entity(scene, made); break;

@@ -1,4 +1,4 @@
-/* daft.light, daft.ambient and daft.sky. */
+/* daft.light, daft.ambient, daft.fog and daft.sky. */
 #include "lua/fields.h"
 
 #include "common/util.h"
@@ -22,6 +22,8 @@ const api_form api_sun_form = {"light.sun", "daft.light.sun", DAFT_STRUCT_LIGHT_
 const api_form api_point_form = {"light.point", "daft.light.point", DAFT_STRUCT_LIGHT_DEF, DAFT_LIGHT_POINT, NULL, 0};
 const api_form api_spot_form = {"light.spot",    "daft.light.spot", DAFT_STRUCT_LIGHT_DEF,
                                 DAFT_LIGHT_SPOT, SPOT_SPECIALS,     COUNT_OF(SPOT_SPECIALS)};
+
+const api_form api_fog_form = {"fog", "daft.fog", DAFT_STRUCT_FOG, -1, NULL, 0};
 
 /* Changes what the table at `table` names. */
 static void read_light(lua_State *L, host *h, int table, daft_light_def *def)
@@ -128,6 +130,15 @@ static int ambient(lua_State *L, host *h)
     return 0;
 }
 
+static int fog(lua_State *L, host *h)
+{
+    daft_fog fog = daft_default_fog();
+    daft_error error;
+    api_read_struct(L, h, 1, NULL, &api_fog_form, &fog);
+    if (!daft_scene_set_fog(h->def.scene, &fog, &error)) api_engine_error(L, h, &error);
+    return 0;
+}
+
 static int sky_color(lua_State *L, host *h)
 {
     daft_scene_set_sky_color(h->def.scene, api_color(L, h, 1, "color"));
@@ -166,6 +177,7 @@ static const api_function FUNCTIONS[] = {
     {"ambient", "(color [, occlusion])",
      "Light from everywhere; what stands within so many metres of a surface keeps it away (ambient occlusion).",
      ambient, API_CHANGES},
+    {"fog", "{...}", "Fog between what is seen and the camera; an empty table takes it away.", fog, API_CHANGES},
     {"sky.color", "(color)", "The same sky everywhere.", sky_color, API_CHANGES},
     {"sky.gradient", "(zenith, horizon)", "A sky from one colour above to another at the horizon.", sky_gradient,
      API_CHANGES},

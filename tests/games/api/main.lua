@@ -104,6 +104,8 @@ local function lights()
     short:destroy()
     assert(not short:valid() and sun:valid())
     daft.ambient("#333")
+    daft.fog { color = "#89a", density = 0.02, height = 5, base = -1, glow = 0.4 }
+    daft.fog {}
     daft.sky.color("#80a0ff")
     daft.sky.gradient("#6fb7ff", { 0.9, 0.95, 1 })
 end

@@ -131,6 +131,43 @@ static void occlusion_is_the_open_part_of_the_hemisphere(void **unused)
     stage_drop(s);
 }
 
+/* 64 lights of which three reach what is seen: the others cast no ray, light no tile and change no byte. */
+static void lights_out_of_sight_are_not_asked(void **unused)
+{
+    (void)unused;
+    static uint8_t few[4 * PIXELS];
+    uint64_t rays = 0, kept = 0;
+    uint32_t tiles = 0;
+    for (int k = 0; k < 2; k++) {
+        stage *s = stage_make(2, NULL);
+        daft_error error = {0};
+        s->view.camera.position = (daft_dvec3){0, 2, 0}, s->view.camera.pitch = 0.3f;
+        add_box(s, (daft_dvec3){0, -0.05, 0}, (daft_vec3){60, 0.1f, 60});
+        add_box(s, (daft_dvec3){6, 0.5, 1}, (daft_vec3){1, 1, 1});
+        for (int i = 0; i < 64; i++) {
+            daft_light_def def = daft_default_light_def();
+            def.kind = DAFT_LIGHT_SPOT, def.color = (daft_vec3){0.3f, 0.3f, 0.3f};
+            def.position = i < 3 ? (daft_dvec3){6, 4, i - 1} : (daft_dvec3){-10 - i % 8, 4, i / 8 - 4};
+            def.radius = i % 2 ? 0.1f : 0, def.range = i % 3 ? 0 : 9;
+            if (i >= 3 && k == 0) continue;
+            assert_true(daft_light_create(s->scene, &def, &error).id);
+        }
+        const daft_counters *c = draw(s);
+        const daft_effect *shadow = &c->effects[DAFT_EFFECT_SHADOW], *light = &c->effects[DAFT_EFFECT_LIGHTING];
+        if (k == 0) {
+            memcpy(few, daft_image_pixels(s->image), sizeof few);
+            rays = shadow->rays, kept = c->shadow_points_kept, tiles = light->tiles;
+            assert_true(rays > 1000 && tiles > 5);
+        } else {
+            print_message("%llu shadow rays of 3 lights, %llu of 64\n", (unsigned long long)rays,
+                          (unsigned long long)shadow->rays);
+            assert_true(shadow->rays == rays && c->shadow_points_kept == kept && light->tiles == tiles);
+            assert_memory_equal(few, daft_image_pixels(s->image), sizeof few);
+        }
+        stage_drop(s);
+    }
+}
+
 /* Many lights of which each reaches little: the sum of what each gives, in double, at every pixel. */
 static void lights_end_where_they_say(void **unused)
 {
@@ -347,6 +384,7 @@ int main(void)
     const struct CMUnitTest tests[] = {cmocka_unit_test(penumbras_are_the_open_part_of_the_light),
                                        cmocka_unit_test(occlusion_is_the_open_part_of_the_hemisphere),
                                        cmocka_unit_test(lights_end_where_they_say),
+                                       cmocka_unit_test(lights_out_of_sight_are_not_asked),
                                        cmocka_unit_test(nothing_is_sampled_that_nobody_asked_for),
                                        cmocka_unit_test(denoised_is_closer),
                                        cmocka_unit_test(pictures_that_follow_each_other_help),
