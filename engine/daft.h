@@ -342,10 +342,11 @@ typedef enum daft_shading {
     DAFT_SHADING_PHYSICAL   /* base colour (`diffuse`), `metallic` and `roughness`, as glTF says */
 } daft_shading;
 
+/* What lies behind a surface. Shadows are those of the whole surface. */
 typedef enum daft_alpha_mode {
     DAFT_ALPHA_OPAQUE = 0,
     DAFT_ALPHA_MASK, /* there where alpha is `alpha_cutoff` or more, a hole where it is less */
-    DAFT_ALPHA_BLEND /* so much of what lies behind is seen as alpha says; shadows are those of a mask at 0.5 */
+    DAFT_ALPHA_BLEND /* so much of what lies behind is seen as alpha says */
 } daft_alpha_mode;
 
 /* What lies beyond a texture's edges. */
@@ -901,9 +902,7 @@ typedef enum daft_texture_filter {
     DAFT_TEXTURE_TRILINEAR = 0, /* two levels of the mip map, four texels of each */
     DAFT_TEXTURE_MIPMAP,        /* the nearest level, four texels */
     DAFT_TEXTURE_BILINEAR,      /* the finest level, four texels */
-    DAFT_TEXTURE_NEAREST,       /* the finest level, one texel */
-    DAFT_TEXTURE_ANISOTROPIC_4, /* trilinear, of up to so many places along the pixel's longer side */
-    DAFT_TEXTURE_ANISOTROPIC_16
+    DAFT_TEXTURE_NEAREST        /* the finest level, one texel */
 } daft_texture_filter;
 
 /* How a picture that is drawn smaller is enlarged to its target. */

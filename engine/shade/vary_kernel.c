@@ -175,7 +175,7 @@ static void make_opacity(const place *p, const material_reader *m)
     vf opacity = vf_if_then_else(vi_eq(channel, vi_set(3)), alpha, c.y);
     opacity = vf_if_then_else(vi_eq(channel, vi_set(0)), c.x, vf_if_then_else(vi_eq(channel, vi_set(2)), c.z, opacity));
     opacity = vf_clamp01(opacity * MATERIAL_WORD(m, opacity));
-    /* a hole's edge, where no triangle is asked for it: of spheres */
+    /* of a mask, all or none */
     const vf cutoff = MATERIAL_WORD(m, cutoff);
     opacity = vf_if_then_else(vf_lt(zero, cutoff), vf_if_then_else(vf_lt(opacity, cutoff), zero, one), opacity);
     const vm blends = vi_eq(traits & vi_set(DAFT_TRAIT_BLEND), vi_set(DAFT_TRAIT_BLEND));

@@ -271,7 +271,14 @@ static bool load_maps(daft_scene *scene, const daft_mtl *mtl, daft_material_def 
 /* A map_d is a mask if nearly all of it is there or not, and else blends; and d goes into it. */
 static void blend_or_mask(const daft_scene *scene, const daft_mtl *mtl, daft_material_def *def)
 {
-    if (!def->alpha_map.id) return;
+    if (!def->alpha_map.id) {
+        if (mtl->alpha_mode == DAFT_ALPHA_OPAQUE) return;
+        def->opacity = mtl->opacity, def->transmission = 0;
+        const daft_texture own = def->diffuse_map;
+        const bool some = own.id && scene->assets.textures[daft_asset_index(own.id)].has_alpha;
+        if (!some && def->opacity == 1) def->alpha_mode = DAFT_ALPHA_OPAQUE;
+        return;
+    }
     const daft_texture_data *t = &scene->assets.textures[daft_asset_index(def->alpha_map.id)];
     const size_t count = (size_t)t->width[0] * (size_t)t->height[0], channel = t->has_alpha ? 3 : 1;
     size_t between = 0;

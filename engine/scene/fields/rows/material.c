@@ -56,7 +56,7 @@ static const daft_field ROWS[] = {
         .doc = "The slope between a black texel and a white one beside it"),
     CHOICE(alpha_mode, ALPHA_MODES, .lua = "alpha",
            .doc = "mask: a hole where alpha is below alpha_cutoff; blend: what lies behind shows as much as alpha is "
-                  "below 1, and shadows are those of a mask at 0.5"),
+                  "below 1"),
     ROW(opacity, FROM(0, 1), .initial = {1}, .lua = "opacity", .doc = "What alpha is multiplied by"),
     ROW(alpha_cutoff, FROM(0, 1), .initial = {0.5}, .lua = "alpha_cutoff", .doc = "Where a mask has holes"),
     ROW(alpha_map, .lua = "alpha_texture",
