@@ -51,8 +51,7 @@ static void set_maps(const daft_scene *scene, const daft_material_def *def, daft
     if (def->normal_map.id || def->bump_map.id) s->traits |= DAFT_TRAIT_TANGENT;
 }
 
-/* Of meshes holes are cut by their triangles (cutouts.c); of spheres, which have none, they are what is seen through.
- */
+/* A hole is what is seen through: a surface that blends by none or all. */
 static void set_alpha(const daft_material_def *def, daft_surface *s)
 {
     s->opacity = def->opacity;
