@@ -291,6 +291,7 @@ typedef struct daft_mesh_def {
     const daft_vec3 *positions; /* metres, all finite */
     const daft_vec3 *normals;   /* one a position, or NULL: smooth across edges flatter than 40 degrees */
     const daft_vec2 *uvs;       /* one a position, or NULL: no texture coordinates */
+    const daft_vec3 *colors;    /* one a position, linear, 0..1: what its material's colour is multiplied by; or NULL */
     uint32_t vertex_count;
     const uint32_t *indices; /* three a triangle, below vertex_count; counter-clockwise seen from outside */
     uint32_t triangle_count;
@@ -336,6 +337,21 @@ DAFT_API bool daft_mesh_check(daft_scene *scene, daft_mesh mesh, daft_mesh_repor
 /* PNG, JPEG, TGA, BMP, GIF, PSD, HDR: what stb_image reads, at most 16,384 pixels a side. */
 DAFT_API daft_texture daft_texture_load(daft_scene *scene, const char *path, daft_error *error);
 
+typedef enum daft_shading {
+    DAFT_SHADING_PHONG = 0, /* Lambert and Phong, as MTL says */
+    DAFT_SHADING_PHYSICAL   /* base colour (`diffuse`), `metallic` and `roughness`, as glTF says */
+} daft_shading;
+
+/* What lies behind a surface. Shadows are those of the whole surface. */
+typedef enum daft_alpha_mode {
+    DAFT_ALPHA_OPAQUE = 0,
+    DAFT_ALPHA_MASK, /* there where alpha is `alpha_cutoff` or more, a hole where it is less */
+    DAFT_ALPHA_BLEND /* so much of what lies behind is seen as alpha says */
+} daft_alpha_mode;
+
+/* What lies beyond a texture's edges. */
+typedef enum daft_wrap { DAFT_WRAP_REPEAT = 0, DAFT_WRAP_CLAMP, DAFT_WRAP_MIRROR } daft_wrap;
+
 typedef struct daft_material_def {
     uint32_t cookie;
     daft_vec3 ambient;     /* Ka: the fraction of the ambient light that it reflects */
@@ -355,6 +371,22 @@ typedef struct daft_material_def {
     float refractive_index;      /* 0.001..10; 1: no bending and no mirroring; water 1.33, glass 1.5 (the default) */
     daft_texture diffuse_map;    /* multiplies `ambient` and `diffuse`; none: white */
     daft_vec2 map_scale;         /* repeats of the texture over one unit of u and v */
+    daft_vec2 map_offset;        /* added to u and v once these are scaled */
+    daft_wrap map_wrap;          /* of all maps */
+    daft_shading shading;
+    float metallic; /* 0..1; physical shading alone */
+    /* Textures that multiply a value, by use of their sRGB colours (ambient, specular, emission) or of bytes as they
+     * are: green (shininess, roughness), blue (metallic), alpha or, where the image has none, green (alpha). */
+    daft_texture ambient_map; /* instead of `diffuse_map` */
+    daft_texture specular_map, emission_map, shininess_map, roughness_map, metallic_map;
+    daft_texture normal_map; /* tangent space: red along u, green along v, blue outwards, as glTF has it */
+    float normal_strength;   /* of its slopes: 1 */
+    daft_texture bump_map;   /* heights, in green */
+    float bump_strength;     /* slope where neighbouring texels differ from black to white: 1 */
+    daft_alpha_mode alpha_mode;
+    float opacity; /* 0..1, what the alpha map multiplies; of a mask and a blend alone */
+    float alpha_cutoff;
+    daft_texture alpha_map; /* none: the alpha of `diffuse_map` */
 } daft_material_def;
 
 DAFT_API daft_material_def daft_default_material_def(void); /* a light grey, slightly shiny */

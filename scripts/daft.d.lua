@@ -183,6 +183,24 @@ local voice = {}
 ---@field refractive_index? number How strongly light is bent, and so mirrored: water 1.33, glass 1.5, diamond 2.42; 1: not at all (number, 0.001 to 10); 1.5 unless given
 ---@field texture? "name" An image: "checker" is textures/checker.png in the game's folder or in assets/
 ---@field texture_scale? number|table Repeats of the texture over one unit of u and of v; on boxes one unit is a metre; 1 unless given
+---@field texture_offset? table Added to u and v once they are scaled; {0, 0} unless given
+---@field texture_wrap? "repeat"|"clamp"|"mirror" What lies beyond the textures' edges; "repeat" unless given
+---@field shading? "phong"|"physical" By Lambert and Phong, or physically: color is the base colour, of which metallic and roughness say the rest, as in glTF; "phong" unless given
+---@field metallic? number How much of it is metal; physical shading alone (number, 0 to 1); 0 unless given
+---@field ambient_texture? "name" The image that ambient is multiplied by; none: texture
+---@field specular_texture? "name" The image that specular and mirror are multiplied by
+---@field emission_texture? "name" The image that emission is multiplied by
+---@field shininess_texture? "name" The image whose green shininess is multiplied by
+---@field roughness_texture? "name" The image whose green roughness is multiplied by
+---@field metallic_texture? "name" The image whose blue metallic is multiplied by
+---@field normal_texture? "name" Normals in tangent space: red along u, green along v, blue outwards
+---@field normal_strength? number Its slopes are multiplied by it (number, -100 to 100); 1 unless given
+---@field bump_texture? "name" Heights, in green
+---@field bump_strength? number The slope between a black texel and a white one beside it (number, -1000 to 1000); 1 unless given
+---@field alpha? "opaque"|"mask"|"blend" mask: a hole where alpha is below alpha_cutoff; blend: what lies behind shows as much as alpha is below 1; "opaque" unless given
+---@field opacity? number What alpha is multiplied by (number, 0 to 1); 1 unless given
+---@field alpha_cutoff? number Where a mask has holes (number, 0 to 1); 0.5 unless given
+---@field alpha_texture? "name" Its alpha or, where it has none, its green is the alpha; none: the alpha of texture
 
 ---@class daft.light.sun.options
 ---@field direction? daft.vector Where its light travels to: a spot's axis; any length but zero; {0, -1, 0} unless given

@@ -34,6 +34,7 @@ typedef struct daft_log {
     daft_warning_callback *warn;
     void *user;
     int *running; /* counts the engine's callbacks that run now; NULL: nobody asks */
+    bool checks;  /* what is left out on purpose is told, too */
 } daft_log;
 
 void daft_warn_at(const daft_log *log, daft_status code, const char *file, int line, int column, const char *format,

@@ -22,6 +22,7 @@ typedef struct daft_trimesh {
     uint32_t *normal_indices; /* 3·triangle_count; NULL: same as indices */
     daft_vec2 *uvs;           /* NULL: no texture coordinates (then uv_count is 0) */
     uint32_t *uv_indices;     /* 3·triangle_count, DAFT_NO_UV for a corner without; NULL: same as indices */
+    daft_vec3 *colors;        /* of each vertex, linear, 0..1; NULL: none */
     uint16_t *slots;          /* a triangle's material slot; NULL: all 0 */
     uint32_t left_out;        /* triangles of the source that are not here */
     daft_vec3 low, high;      /* bounds; low > high when there is no triangle */
@@ -55,12 +56,55 @@ bool daft_trimesh_smooth(const daft_allocator *allocator, daft_trimesh *mesh, fl
 
 /* ---- OBJ and MTL ---- */
 
+/* The maps of a material beside map_Kd. */
+typedef enum daft_mtl_use {
+    DAFT_MTL_AMBIENT,
+    DAFT_MTL_SPECULAR,
+    DAFT_MTL_EMISSION,
+    DAFT_MTL_SHININESS,
+    DAFT_MTL_ALPHA,
+    DAFT_MTL_BUMP,
+    DAFT_MTL_NORMAL,
+    DAFT_MTL_ROUGHNESS,
+    DAFT_MTL_METALLIC,
+    DAFT_MTL_MAPS,
+    DAFT_MTL_DIFFUSE = DAFT_MTL_MAPS /* the material's own */
+} daft_mtl_use;
+
+/* What a map's options make of its bytes: -imfchan's letter (0: none), -mm's base and gain, -texres (0: any). */
+typedef struct daft_mtl_change {
+    char channel;
+    float base, gain;
+    int most;
+} daft_mtl_change;
+
+typedef struct daft_mtl_map {
+    char path[1024]; /* as opened, empty: none */
+    uint8_t *bytes;  /* of a picture that the model holds itself; NULL: it is a file. The list's */
+    size_t size;
+    int line, column; /* where the file names it */
+    daft_mtl_change change;
+} daft_mtl_map;
+
+typedef struct daft_mtl_maps {
+    daft_mtl_map map[DAFT_MTL_MAPS];
+} daft_mtl_maps;
+
 typedef struct daft_mtl {
     char name[256];
     daft_vec3 ambient, diffuse, specular, emission; /* Ka Kd Ks Ke */
     float shininess, index, opacity, roughness;     /* Ns Ni d Pr */
-    daft_vec3 filter;                               /* Tf: 0..1 each */
-    bool has_filter;                                /* the file names it */
+    float metallic;                                 /* Pm */
+    bool physical;                                  /* it has Pm, or a map of Pr or Pm */
+    bool has_roughness;
+    uint32_t alpha_mode;      /* a daft_alpha_mode, of maps */
+    float alpha_cutoff, bump; /* bump: -bm */
+    daft_vec2 scale, offset;  /* -s -o, of all maps */
+    uint32_t wrap;            /* -clamp: a daft_wrap */
+    daft_mtl_maps *maps;      /* NULL: none beside map_Kd. The list's */
+    daft_mtl_change diffuse_change;
+    daft_vec3 filter; /* Tf: 0..1 each */
+    bool has_filter;  /* the file names it */
     int illum;
     char diffuse_map[1024]; /* path as opened (folder of the MTL joined), empty: none */
     uint8_t *map_bytes;     /* of a picture that the model holds itself; NULL: it is a file. The list's */
@@ -82,6 +126,11 @@ bool daft_mtl_load(const daft_allocator *allocator, const daft_files *files, con
 bool daft_mtl_parse(const daft_allocator *allocator, const daft_files *files, const char *path, const char *text,
                     size_t size, const daft_log *log, daft_mtl_list *list, daft_error *error);
 void daft_mtl_list_free(const daft_allocator *allocator, daft_mtl_list *list);
+/* Another of the same, with maps of its own. False: memory is out. */
+bool daft_mtl_copy(const daft_allocator *allocator, const daft_mtl *from, daft_mtl *out);
+/* A map to fill, or NULL: memory is out. */
+daft_mtl_map *daft_mtl_map_at(const daft_allocator *allocator, daft_mtl *mtl, daft_mtl_use use);
+void daft_mtl_drop(const daft_allocator *allocator, daft_mtl *mtl);
 /* The default material: Kd 0.8, no map, illum 2. */
 daft_mtl daft_mtl_default(void);
 

@@ -17,6 +17,7 @@ void daft_trimesh_free(const daft_allocator *allocator, daft_trimesh *mesh)
     daft_release(allocator, mesh->uvs);
     daft_release(allocator, mesh->uv_indices);
     daft_release(allocator, mesh->slots);
+    daft_release(allocator, mesh->colors);
     *mesh = (daft_trimesh){0};
 }
 
@@ -29,6 +30,7 @@ size_t daft_trimesh_bytes(const daft_trimesh *mesh)
     lists += mesh->uv_indices != NULL;
     size_t bytes = 3 * padded(mesh->vertex_count) * sizeof(float) + lists * corners * sizeof(uint32_t);
     bytes += mesh->normal_count * sizeof(daft_vec3) + mesh->uv_count * sizeof(daft_vec2);
+    if (mesh->colors) bytes += mesh->vertex_count * sizeof(daft_vec3);
     return bytes + (mesh->slots ? mesh->triangle_count * sizeof(uint16_t) : 0);
 }
 
@@ -54,6 +56,7 @@ bool daft_trimesh_copy(const daft_allocator *allocator, const daft_trimesh *mesh
     copy.normal_indices = copy_of(allocator, mesh->normal_indices, corners, sizeof *mesh->normal_indices, &done);
     copy.uvs = copy_of(allocator, mesh->uvs, mesh->uv_count, sizeof *mesh->uvs, &done);
     copy.uv_indices = copy_of(allocator, mesh->uv_indices, corners, sizeof *mesh->uv_indices, &done);
+    copy.colors = copy_of(allocator, mesh->colors, mesh->vertex_count, sizeof *mesh->colors, &done);
     copy.slots = copy_of(allocator, mesh->slots, mesh->triangle_count, sizeof *mesh->slots, &done);
     if (done)
         *out = copy;
@@ -253,6 +256,19 @@ static bool copy_uvs(const daft_allocator *allocator, const daft_mesh_def *def, 
     return true;
 }
 
+static bool copy_colors(const daft_allocator *allocator, const daft_mesh_def *def, daft_trimesh *mesh,
+                        daft_error *error)
+{
+    mesh->colors = daft_alloc(allocator, def->vertex_count, sizeof(daft_vec3));
+    if (!mesh->colors) return daft_fail_memory(error, "a mesh's colours");
+    for (uint32_t i = 0; i < def->vertex_count; i++) {
+        const daft_vec3 c = def->colors[i];
+        mesh->colors[i] =
+            daft_finite3(c) ? daft_min3(daft_max3(c, daft_v3(0, 0, 0)), daft_v3(1, 1, 1)) : daft_v3(1, 1, 1);
+    }
+    return true;
+}
+
 bool daft_trimesh_from_arrays(const daft_allocator *allocator, const daft_mesh_def *def, const daft_log *log,
                               daft_trimesh *out, daft_error *error)
 {
@@ -261,6 +277,7 @@ bool daft_trimesh_from_arrays(const daft_allocator *allocator, const daft_mesh_d
     bool done = daft_trimesh_set_positions(allocator, &mesh, def->positions, def->vertex_count, error) &&
                 copy_triangles(allocator, def, log, &mesh, error);
     if (done && def->uvs && def->vertex_count > 0) done = copy_uvs(allocator, def, log, &mesh, error);
+    if (done && def->colors && def->vertex_count > 0) done = copy_colors(allocator, def, &mesh, error);
     if (done)
         done = def->normals && def->vertex_count > 0 ? copy_normals(allocator, def, &mesh, error)
                                                      : daft_trimesh_smooth(allocator, &mesh, DAFT_SMOOTH_CREASE, error);

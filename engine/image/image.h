@@ -40,13 +40,30 @@ typedef struct daft_texture_data {
     int width[DAFT_MAX_MIPS], height[DAFT_MAX_MIPS];
     uint8_t *texels[DAFT_MAX_MIPS]; /* level 0, and an allocation with all others */
     bool from_stb;                  /* level 0 is what stb_image has made */
+    bool has_alpha;                 /* some texel's is not 255 */
     bool missing;                   /* stands in for a file that could not be read */
 } daft_texture_data;
+
+/* What is made of an image's bytes before it is a texture: all of red, green and blue become one channel (r g b m l z
+ * of MTL's -imfchan: red, green, blue, matte, luminance; 0: they stay), then base + gain·value (-mm), then no more than
+ * `most` texels a side (-texres; 0: any). All zero: nothing. */
+typedef struct daft_texture_change {
+    char channel;
+    float base, gain;
+    int most;
+} daft_texture_change;
+
+static inline bool daft_texture_is_changed(const daft_texture_change *c)
+{
+    return c->channel || c->most || (c->gain != 0 && (c->base != 0 || c->gain != 1));
+}
 
 bool daft_texture_build(const daft_allocator *allocator, const uint8_t *rgba, int width, int height,
                         daft_texture_data *out, daft_error *error);
 bool daft_texture_read(const daft_allocator *allocator, const daft_files *files, const char *path,
                        daft_texture_data *out, daft_error *error);
+bool daft_texture_read_changed(const daft_allocator *allocator, const daft_files *files, const char *path,
+                               const daft_texture_change *change, daft_texture_data *out, daft_error *error);
 /* The same from memory; `path` names it in messages. */
 bool daft_texture_decode(const daft_allocator *allocator, const void *bytes, size_t size, const char *path,
                          daft_texture_data *out, daft_error *error);

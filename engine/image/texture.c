@@ -143,6 +143,9 @@ static bool fill_levels(const daft_allocator *allocator, daft_texture_data *text
 static bool add_levels(const daft_allocator *allocator, daft_texture_data *texture, int width, int height,
                        daft_error *error)
 {
+    const size_t texels = (size_t)width * (size_t)height;
+    for (size_t i = 0; i < texels && !texture->has_alpha; i++)
+        texture->has_alpha = texture->texels[0][4 * i + 3] != 255;
     size_t bytes = lay_out(texture, width, height);
     if (texture->levels == 1) return true;
     texture->texels[1] = daft_alloc(allocator, bytes, 1);
@@ -184,6 +187,57 @@ bool daft_texture_read(const daft_allocator *allocator, const daft_files *files,
 {
     daft_image image;
     return daft_image_read(allocator, files, path, &image, error) && texture_of(allocator, &image, out, error);
+}
+
+static uint8_t changed_byte(const daft_texture_change *c, int value)
+{
+    const float out = c->gain != 0 ? (c->base * 255 + c->gain * (float)value) : (float)value;
+    return (uint8_t)(out > 0 ? out < 255 ? out + 0.5f : 255 : 0);
+}
+
+/* Luminance by ITU-R BT.709, of the bytes as they are. */
+static int channel_of(char channel, const uint8_t *t)
+{
+    switch (channel) {
+    case 'r': return t[0];
+    case 'g': return t[1];
+    case 'b': return t[2];
+    case 'm': return t[3];
+    default: return (int)(0.2126f * (float)t[0] + 0.7152f * (float)t[1] + 0.0722f * (float)t[2] + 0.5f);
+    }
+}
+
+static void change_texels(uint8_t *texels, size_t count, const daft_texture_change *c)
+{
+    for (size_t i = 0; i < count; i++) {
+        uint8_t *t = &texels[4 * i];
+        if (c->channel) t[0] = t[1] = t[2] = (uint8_t)channel_of(c->channel, t), t[3] = 255;
+        for (int k = 0; k < 3; k++) t[k] = changed_byte(c, t[k]);
+    }
+}
+
+/* The first level that is small enough becomes the texture. */
+static bool limit_side(const daft_allocator *allocator, int most, daft_texture_data *texture, daft_error *error)
+{
+    int level = 0;
+    while (level + 1 < texture->levels && daft_max_i(texture->width[level], texture->height[level]) > most) level++;
+    if (level == 0) return true;
+    daft_texture_data small;
+    const bool done = daft_texture_build(allocator, texture->texels[level], texture->width[level],
+                                         texture->height[level], &small, error);
+    daft_texture_free(allocator, texture);
+    if (done) *texture = small;
+    return done;
+}
+
+bool daft_texture_read_changed(const daft_allocator *allocator, const daft_files *files, const char *path,
+                               const daft_texture_change *change, daft_texture_data *out, daft_error *error)
+{
+    daft_image image;
+    if (!daft_image_read(allocator, files, path, &image, error)) return false;
+    change_texels(image.pixels, (size_t)image.width * (size_t)image.height, change);
+    return texture_of(allocator, &image, out, error) &&
+           (change->most == 0 || limit_side(allocator, change->most, out, error));
 }
 
 bool daft_texture_decode(const daft_allocator *allocator, const void *bytes, size_t size, const char *path,

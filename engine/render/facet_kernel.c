@@ -14,7 +14,7 @@ typedef struct stage {
     const float *maps[DAFT_VL]; /* to_frame, and to_object behind it; of one instance the first alone is set */
     float size[DAFT_VL];
     int32_t word[DAFT_VL];
-    vbits triangles, spheres, with_normals, textured;
+    vbits triangles, spheres, with_normals, textured, colored;
     bool one_instance;
 } stage;
 
@@ -101,14 +101,16 @@ static void stage_alike(const daft_snapshot *snapshot, daft_facets *f, uint32_t 
     }
     add_traits(snapshot, material, f);
     out->triangles = lanes, out->with_normals = normals ? lanes : 0;
-    out->textured = snapshot->materials[material].texture != DAFT_NO_TEXTURE ? lanes : 0;
+    out->textured = daft_surface_is_textured(&snapshot->materials[material]) ? lanes : 0;
+    out->colored = mesh->colors ? lanes : 0;
+    if (mesh->colors) f->traits |= DAFT_TRAIT_COLORS;
     vf_store(out->size, vf_set(fabsf(t[0]) + fabsf(t[1]) + fabsf(t[2])));
-    vi_store(out->word, vi_set((int32_t)material));
+    vi_store(out->word, vi_set((int32_t)material | (mesh->colors ? FACET_COLORED : 0)));
 }
 
 static void fetch_group(const daft_snapshot *snapshot, daft_facets *f, uint32_t first, uint32_t count, stage *out)
 {
-    out->triangles = out->spheres = out->with_normals = out->textured = 0, out->one_instance = true;
+    out->triangles = out->spheres = out->with_normals = out->textured = out->colored = 0, out->one_instance = true;
     out->maps[0] = (const float *)&snapshot->instances[f->instance[first]].to_frame;
     for (uint32_t i = 1; i < count; i++) out->one_instance &= f->instance[first + i] == f->instance[first];
     const daft_trimesh *mesh = snapshot->instances[f->instance[first]].mesh;
@@ -132,7 +134,9 @@ static void fetch_group(const daft_snapshot *snapshot, daft_facets *f, uint32_t 
         stage_triangle(s, triangle, (int)i, out);
         out->size[i] = fabsf(t[0]) + fabsf(t[1]) + fabsf(t[2]);
         out->word[i] = (int32_t)material;
-        if (snapshot->materials[material].texture != DAFT_NO_TEXTURE) out->textured |= (vbits)1 << i;
+        if (daft_surface_is_textured(&snapshot->materials[material])) out->textured |= (vbits)1 << i;
+        if (!s->mesh->colors) continue;
+        out->colored |= (vbits)1 << i, out->word[i] |= FACET_COLORED, f->traits |= DAFT_TRAIT_COLORS;
     }
 }
 
@@ -255,7 +259,7 @@ DAFT_INLINE void store_eight(float *rows, const vf v[8], vbits lanes)
     vf_scatter_rows8(rows, row, v, lanes);
 }
 
-/* Facets without smooth normals and texture need only their first eight floats. */
+/* Facets without smooth normals, texture and colours need only their first eight floats. */
 static void store_group(const group *g, const stage *from, float *rows)
 {
     vf v[DAFT_FACET_FLOATS];
@@ -265,7 +269,7 @@ static void store_group(const group *g, const stage *from, float *rows)
     v[FACET_WORD] = (vf)vi_if_then_else(vm_from_bits(g->smooth), word | vi_set(FACET_SMOOTH), word);
     vbits lanes = ~from->spheres & DAFT_ALL_LANES;
     store_eight(rows, v, lanes);
-    if (!((g->smooth | from->textured) & from->triangles)) return;
+    if (!((g->smooth | from->textured | from->colored) & from->triangles)) return;
     for (int k = 0; k < 3; k++) {
         put3(v, FACET_EDGE + 3 * k, edge_plane(g->corner[(k + 1) % 3], g->corner[(k + 2) % 3]));
         put3(v, FACET_NORMAL + 3 * k, g->normal[k]);
@@ -290,6 +294,21 @@ static void set_texture(const daft_trimesh *mesh, uint32_t triangle, float row[D
     row[FACET_DENSITY] = area > 0 ? sqrtf(fabsf(ax * by - ay * bx) / area) : 0;
 }
 
+static uint32_t color_word(float linear)
+{
+    const float root = sqrtf(linear > 0 ? linear : 0);
+    return (uint32_t)((root < 1 ? root : 1) * FACET_COLOR_MOST + 0.5f);
+}
+
+static void set_colors(const daft_trimesh *mesh, uint32_t triangle, float row[DAFT_FACET_FLOATS])
+{
+    for (int k = 0; k < 3; k++) {
+        const daft_vec3 c = mesh->colors[mesh->indices[3 * (size_t)triangle + (size_t)k]];
+        const uint32_t word = color_word(c.x) | color_word(c.y) << 10 | color_word(c.z) << 20;
+        memcpy(&row[FACET_COLOR + k], &word, sizeof word);
+    }
+}
+
 void DAFT_KERNEL(daft_facets_setup)(const daft_snapshot *snapshot, daft_facets *facets, uint32_t first, uint32_t count,
                                     const facet_rays *rays)
 {
@@ -305,5 +324,9 @@ void DAFT_KERNEL(daft_facets_setup)(const daft_snapshot *snapshot, daft_facets *
     for (vbits left = from.textured; left; left &= left - 1) {
         uint32_t at = first + (uint32_t)__builtin_ctz(left);
         set_texture(snapshot->instances[facets->instance[at]].mesh, facets->triangle[at], facets->row[at]);
+    }
+    for (vbits left = from.colored; left; left &= left - 1) {
+        uint32_t at = first + (uint32_t)__builtin_ctz(left);
+        set_colors(snapshot->instances[facets->instance[at]].mesh, facets->triangle[at], facets->row[at]);
     }
 }

@@ -56,6 +56,7 @@ void daft_renderer_destroy(daft_renderer *r)
     daft_release(&allocator, r->sampled);
     daft_release(&allocator, r->gloss);
     daft_release(&allocator, r->third);
+    daft_release(&allocator, r->varying);
     daft_release(&allocator, r->refracted);
     daft_mirrors_free(r);
     daft_release(&allocator, r->sum);
@@ -119,7 +120,7 @@ static bool prepare_refractions(daft_frame *frame, daft_error *error)
 {
     daft_renderer *r = frame->renderer;
     if (!frame->plan.refracts) return true;
-    size_t depths = (size_t)frame->plan.quality->refraction_depth, all = depths * (size_t)r->threads;
+    size_t depths = (size_t)frame->plan.through_depth, all = depths * (size_t)r->threads;
     if (!daft_grow(&r->allocator, &r->refracted, &r->refracted_capacity, all, 0, sizeof *r->refracted))
         return daft_fail_memory(error, "refracted rays");
     for (size_t i = 0; i < all; i++) r->refracted[i].count = 0;
@@ -265,6 +266,23 @@ static bool prepare_gloss(daft_renderer *r, const daft_plan *plan, daft_error *e
     return true;
 }
 
+/* What varies over surfaces, of each batch of a worker. */
+static bool prepare_varying(daft_renderer *r, const daft_plan *plan, daft_error *error)
+{
+    enum { BATCHES = 3 };
+    const size_t all = plan->varies ? (size_t)r->threads * BATCHES : 0;
+    if (!daft_grow(&r->allocator, &r->varying, &r->varying_capacity, all, 0, sizeof *r->varying))
+        return daft_fail_memory(error, "what varies over surfaces");
+    for (int i = 0; i < r->threads; i++) {
+        daft_scratch *s = &r->scratch[i];
+        daft_batch *const batches[BATCHES] = {&s->points, &s->next, s->third};
+        for (int k = 0; k < BATCHES; k++)
+            if (batches[k]) batches[k]->varying = all ? &r->varying[BATCHES * i + k] : NULL;
+        s->facets.colors = plan->colors, s->facets.tangents = plan->tangents;
+    }
+    return true;
+}
+
 static bool prepare_sampled(daft_renderer *r, bool some, daft_error *error)
 {
     for (int i = 0; i < r->threads; i++) r->scratch[i].sampled = NULL;
@@ -297,7 +315,7 @@ static bool prepare(daft_frame *frame, daft_error *error)
     count_work(frame);
     if (frame->plan.tints && !prepare_tints(r, error)) return false;
     if (!prepare_sampled(r, frame->plan.samples_light, error)) return false;
-    if (!prepare_gloss(r, &frame->plan, error)) return false;
+    if (!prepare_gloss(r, &frame->plan, error) || !prepare_varying(r, &frame->plan, error)) return false;
     if (!prepare_edges(frame, error)) return false;
     size_t floats = s->quality.samples > 1 && !frame->plan.denoise ? 3 * (size_t)s->width * (size_t)s->height : 0;
     if (daft_grow(&r->allocator, &r->sum, &r->sum_capacity, floats, 0, sizeof *r->sum)) return true;
@@ -331,7 +349,7 @@ static void count_bytes(const daft_frame *frame, daft_counters *c)
         e[DAFT_EFFECT_ANTIALIASING].bytes = r->edge_capacity * sizeof *r->edges + r->id_capacity * sizeof *r->ids +
                                             r->apron_capacity + r->smooth_capacity +
                                             r->corner_capacity * sizeof *r->corners;
-    e[DAFT_EFFECT_SURFACE].bytes = (size_t)r->threads * sizeof *r->scratch;
+    e[DAFT_EFFECT_SURFACE].bytes = (size_t)r->threads * sizeof *r->scratch + r->varying_capacity * sizeof *r->varying;
 }
 
 /* `since`, `ticks`: the two clocks when the frame began. */

@@ -16,6 +16,8 @@ typedef struct daft_plan {
     bool samples_light;                          /* either */
     bool fog;                                    /* between what is seen and the eye */
     bool glossy;                                 /* some material that mirrors or transmits is rough */
+    bool colors, varies, tangents, blends;       /* of what is in the frame: see DAFT_TRAIT_… */
+    int through_depth;                           /* surfaces that a path which passes through some may meet */
     bool tints, may_refract;                     /* some of these shadows let light through; some material transmits */
     bool reflects, refracts;                     /* of the running sample: what is seen may send such rays on */
     const char *why[DAFT_EFFECT_COUNT];          /* what calls for the effect, or why nothing can */
@@ -108,6 +110,8 @@ struct daft_renderer {
     size_t gloss_capacity;
     daft_batch *third; /* the workers' */
     size_t third_capacity;
+    daft_varying *varying; /* the workers', of three batches each */
+    size_t varying_capacity;
     daft_lanes3 *passed; /* the workers' */
     size_t passed_capacity;
     daft_ray_batch *refracted; /* the workers' */

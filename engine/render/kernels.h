@@ -47,6 +47,7 @@ typedef struct daft_facets {
     uint32_t count;
     uint32_t traits, last_material; /* of their materials: all traits; the one that was looked at last */
     bool one_material;
+    bool colors, tangents;         /* of the frame: some mesh has colours, some material a map of normals */
     int32_t slot[DAFT_BATCH_ROOM]; /* what each point lies on */
     uint32_t instance[DAFT_BATCH_ROOM], triangle[DAFT_BATCH_ROOM];
     _Alignas(64) float row[DAFT_BATCH_ROOM][DAFT_FACET_FLOATS];
@@ -64,7 +65,7 @@ typedef struct daft_surfaces_def {
  * their fraction of the pixel, do not count any more. Of rough surfaces, ray number `ray` of `rays`; the later ones are
  * theirs alone. */
 typedef struct daft_spawning {
-    bool mirrors;
+    bool mirrors, refracts;
     float min;
     bool rough; /* false: all are smooth */
     uint32_t ray, rays;

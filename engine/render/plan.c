@@ -1,6 +1,10 @@
 /* The plan: which effects a frame can need. Tiles then decide by what they see. */
 #include "render/internal.h"
 
+/* Surfaces that blend, one behind the other: what lies behind the last that is looked through is opaque. Each takes a
+ * batch of rays of a worker's memory, 58 KB, where something in the scene blends. */
+enum { MOST_LAYERS = 32 };
+
 static bool some_flag(const daft_snapshot *snapshot, uint32_t flags)
 {
     for (uint32_t i = 0; i < snapshot->instance_count; i++)
@@ -18,6 +22,14 @@ static bool light_casts(const daft_snapshot *snapshot)
 static bool mirrors(const daft_surface *m) { return m->mirror.x > 0 || m->mirror.y > 0 || m->mirror.z > 0; }
 
 static bool transmits(const daft_surface *m) { return m->transmission > 0; }
+
+static bool blends(const daft_surface *m) { return m->traits & DAFT_TRAIT_BLEND; }
+
+static bool lets_through(const daft_surface *m) { return transmits(m) || blends(m); }
+
+static bool varies(const daft_surface *m) { return m->traits & DAFT_TRAIT_VARIES; }
+
+static bool needs_tangents(const daft_surface *m) { return m->traits & DAFT_TRAIT_TANGENT; }
 
 /* Where light is bent, some of it is mirrored. */
 static bool bends(const daft_surface *m) { return m->transmission > 0 && m->index != 1; }
@@ -108,8 +120,15 @@ daft_plan daft_plan_make(const daft_snapshot *snapshot)
     why[DAFT_EFFECT_REFLECTION] = reflection_reason(snapshot, plan.quality, &plan.may_reflect);
     none[DAFT_EFFECT_REFLECTION] = plan.may_reflect ? "no mirror is seen" : why[DAFT_EFFECT_REFLECTION];
     plan.tints = plan.shadows && some_material(snapshot, transmits) && some_flag(snapshot, DAFT_INSTANCE_TINTS_SHADOW);
-    plan.may_refract = plan.quality->refraction_depth > 0 && some_material(snapshot, transmits);
-    why[DAFT_EFFECT_REFRACTION] = "something that transmits is seen";
+    plan.colors = snapshot->colors;
+    plan.varies = some_material(snapshot, varies);
+    plan.tangents = plan.varies && some_material(snapshot, needs_tangents);
+    plan.blends = plan.varies && some_material(snapshot, blends);
+    plan.through_depth = plan.quality->refraction_depth;
+    if (plan.blends) plan.through_depth = daft_max_i(plan.through_depth, MOST_LAYERS);
+    plan.may_refract = plan.through_depth > 0 && some_material(snapshot, lets_through);
+    why[DAFT_EFFECT_REFRACTION] =
+        plan.blends ? "something that transmits or blends is seen" : "something that transmits is seen";
     none[DAFT_EFFECT_REFRACTION] = plan.may_refract                      ? "nothing that transmits is seen"
                                    : plan.quality->refraction_depth == 0 ? "this quality has no refraction"
                                                                          : "no material transmits";
@@ -133,6 +152,6 @@ void daft_plan_narrow(daft_plan *plan, const daft_snapshot *snapshot, const daft
         if (!instance) continue;
         bool mirror = plan->may_reflect && (has(snapshot, instance, mirrors) || has(snapshot, instance, bends));
         plan->reflects |= mirror;
-        plan->refracts |= plan->may_refract && (mirror || has(snapshot, instance, transmits));
+        plan->refracts |= plan->may_refract && (mirror || has(snapshot, instance, lets_through));
     }
 }

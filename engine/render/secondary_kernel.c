@@ -158,13 +158,14 @@ static daft_vec3 place_beyond(const daft_snapshot *snapshot, const daft_batch *b
 
 /* A point that transmits: `mirror` is what its material mirrors besides. Where mirrored rays are not followed any more,
  * what can be refracted is, in full; what cannot still is mirrored, since that is the only way the light has. */
-static void divide(const daft_snapshot *snapshot, const daft_batch *b, uint32_t i, daft_vec3 mirror, daft_vec3 weight,
-                   const daft_spawning *allowed, daft_ray_batch *mirror_rays, daft_ray_batch *refracted_rays)
+static void divide(const daft_snapshot *snapshot, const daft_batch *b, uint32_t i, float alpha, daft_vec3 mirror,
+                   daft_vec3 weight, const daft_spawning *allowed, daft_ray_batch *mirror_rays,
+                   daft_ray_batch *refracted_rays)
 {
     const daft_surface *material = &snapshot->materials[b->material[i]];
-    const bool rough = allowed->rough && material->alpha > 0;
+    const bool rough = allowed->rough && alpha > 0;
     daft_vec3 view = lane3(&b->view, i), outward = lane3(&b->outward, i);
-    daft_vec3 normal = facet_at(b, i, material->alpha, allowed);
+    daft_vec3 normal = facet_at(b, i, alpha, allowed);
     float eta = from_inside(snapshot, b, i) ? material->index : 1 / material->index;
     interface f = interface_at(eta, daft_dot(normal, view));
     if (!allowed->mirrors && f.fresnel < 1) f.fresnel = 0;
@@ -177,25 +178,39 @@ static void divide(const daft_snapshot *snapshot, const daft_batch *b, uint32_t 
         add_ray(b, i, place_beyond(snapshot, b, i), refracted(&f, view, normal, outward), on, refracted_rays);
 }
 
+/* What a surface that blends does not cover: straight on. */
+static void pass_through(const daft_snapshot *snapshot, const daft_batch *b, uint32_t i, daft_vec3 weight, float min,
+                         daft_ray_batch *rays)
+{
+    const daft_vec3 left = daft_scale(weight, 1 - b->varying->opacity[i]);
+    if (counts(left, min)) add_ray(b, i, place_beyond(snapshot, b, i), daft_neg(lane3(&b->view, i)), left, rays);
+}
+
 static void spawn(const daft_snapshot *snapshot, const daft_batch *b, const daft_spawning *allowed,
                   daft_ray_batch *mirror_rays, daft_ray_batch *refracted_rays)
 {
     const float share = 1 / (float)allowed->rays;
+    const daft_varying *varying = b->traits & DAFT_TRAIT_VARIES ? b->varying : NULL;
+    const bool blends = b->traits & DAFT_TRAIT_BLEND && refracted_rays && allowed->ray == 0;
     mirror_rays->count = 0;
     if (refracted_rays) refracted_rays->count = 0;
     for (uint32_t i = 0; i < b->count; i++) {
         const daft_surface *material = &snapshot->materials[b->material[i]];
-        const bool rough = allowed->rough && material->alpha > 0;
+        const float alpha = varying ? varying->alpha[i] : material->alpha;
+        const bool rough = allowed->rough && alpha > 0;
+        if (blends && varying->opacity[i] < 1)
+            pass_through(snapshot, b, i, lane3(&b->weight, i), allowed->min, refracted_rays);
         if (allowed->ray && !rough) continue;
         daft_vec3 weight = rough ? daft_scale(lane3(&b->weight, i), share) : lane3(&b->weight, i);
-        daft_vec3 mirror = allowed->mirrors ? material->mirror : daft_v3(0, 0, 0);
-        if (refracted_rays && material->transmission > 0) {
-            divide(snapshot, b, i, mirror, weight, allowed, mirror_rays, refracted_rays);
+        const daft_vec3 own = varying ? lane3(&varying->mirror, i) : material->mirror;
+        daft_vec3 mirror = allowed->mirrors ? own : daft_v3(0, 0, 0);
+        if (refracted_rays && allowed->refracts && material->transmission > 0) {
+            divide(snapshot, b, i, alpha, mirror, weight, allowed, mirror_rays, refracted_rays);
             continue;
         }
         weight = daft_mul(weight, mirror);
         if (!counts(weight, allowed->min)) continue;
-        const daft_vec3 normal = facet_at(b, i, material->alpha, allowed);
+        const daft_vec3 normal = facet_at(b, i, alpha, allowed);
         daft_vec3 d = mirrored(lane3(&b->view, i), normal, lane3(&b->outward, i), rough);
         add_ray(b, i, lane3(&b->point, i), d, weight, mirror_rays);
     }

@@ -20,15 +20,18 @@ enum {
     FACET_CORNER = 26,
     FACET_DENSITY = 35, /* units of uv a metre */
     FACET_UV = 36,
+    FACET_COLOR = 42, /* of each corner, a word: see facet_color */
     /* a sphere's */
     SPHERE_CENTRE = 0,
     SPHERE_RADIUS = 3,
     SPHERE_TURN = 8 /* the linear part of the map to object space */
 };
 
-#define FACET_SMOOTH   ((int32_t)0x80000000) /* its normals differ: the sign bit */
-#define FACET_SPHERE   ((int32_t)0x40000000)
-#define FACET_MATERIAL 0x3fffffff
+#define FACET_SMOOTH     ((int32_t)0x80000000) /* its normals differ: the sign bit */
+#define FACET_SPHERE     ((int32_t)0x40000000)
+#define FACET_COLORED    ((int32_t)0x20000000) /* its corners have colours */
+#define FACET_MATERIAL   0x1fffffff
+#define FACET_COLOR_MOST 1023.0f /* a word has the square roots of red, green and blue, ten bits each */
 
 DAFT_INLINE vf3 set3(daft_vec3 a) { return (vf3){vf_set(a.x), vf_set(a.y), vf_set(a.z)}; }
 DAFT_INLINE vf3 add3(vf3 a, vf3 b) { return (vf3){a.x + b.x, a.y + b.y, a.z + b.z}; }

@@ -21,7 +21,9 @@ enum {
     WANT_VIEW = 2,    /* the direction to the viewer */
     WANT_TEXTURE = 4, /* uv and the footprint */
     WANT_PATH = 8,    /* what rays that go on need: weight, reach, spawn error */
-    WANT_DISTANCE = 16
+    WANT_DISTANCE = 16,
+    WANT_COLOR = 32,  /* the vertices' colour */
+    WANT_TANGENT = 64 /* where u and v grow */
 };
 
 static uint32_t wants_of(uint32_t traits, const daft_surfaces_def *def)
@@ -29,6 +31,10 @@ static uint32_t wants_of(uint32_t traits, const daft_surfaces_def *def)
     uint32_t wants = (def->shadows ? WANT_SHADOW : 0u) | (def->distance ? WANT_DISTANCE : 0u);
     if (traits & DAFT_TRAIT_SPECULAR) wants |= WANT_VIEW;
     if (traits & DAFT_TRAIT_TEXTURE) wants |= WANT_TEXTURE | WANT_DISTANCE;
+    if (traits & DAFT_TRAIT_COLORS) wants |= WANT_COLOR;
+    if (traits & DAFT_TRAIT_VARIES) wants |= WANT_VIEW;
+    if (traits & DAFT_TRAIT_MAPS) wants |= WANT_TEXTURE | WANT_DISTANCE;
+    if (traits & DAFT_TRAIT_TANGENT) wants |= WANT_TANGENT;
     if (traits & DAFT_TRAIT_SENDS) wants |= WANT_SHADOW | WANT_VIEW | WANT_PATH | WANT_DISTANCE;
     return wants;
 }
@@ -47,6 +53,7 @@ typedef struct window {
 /* Where they meet it. `normal` is not unit yet, and the points lie on the surface. */
 typedef struct meeting {
     vf3 point, shadow_origin, normal, outward;
+    vf3 color, tangent, bitangent;
     vf size, density, u, v;
     vi word;
 } meeting;
@@ -105,14 +112,45 @@ DAFT_INLINE vf3 lift_point(const vf3 corner[3], const vf3 normal[3], vf3 point, 
     return shadow_origin;
 }
 
+/* Where u and v grow on the triangles, of any length; zero where they do not. */
+DAFT_INLINE void facet_axes(const window *r, sort s, meeting *m)
+{
+    const vf3 from = part3(r, s, FACET_CORNER), a = sub3(part3(r, s, FACET_CORNER + 3), from),
+              b = sub3(part3(r, s, FACET_CORNER + 6), from);
+    const vf u = part(r, s, FACET_UV), v = part(r, s, FACET_UV + 1);
+    const vf au = part(r, s, FACET_UV + 2) - u, av = part(r, s, FACET_UV + 3) - v;
+    const vf bu = part(r, s, FACET_UV + 4) - u, bv = part(r, s, FACET_UV + 5) - v;
+    const vf area = au * bv - bu * av, zero = vf_set(0);
+    const vf side = vf_if_then_else(vf_lt(area, zero), vf_set(-1), vf_if_then_else(vf_lt(zero, area), vf_set(1), zero));
+    m->tangent = scale3(sub3(scale3(a, bv), scale3(b, av)), side);
+    m->bitangent = scale3(sub3(scale3(b, au), scale3(a, bu)), side);
+}
+
+/* A corner's colour; 1 where the facet has none. */
+DAFT_INLINE vf3 facet_color(const window *r, sort s, int corner, vm colored)
+{
+    const vi word = (vi)part(r, s, FACET_COLOR + corner), mask = vi_set(1023);
+    const vf scale = vf_set(1 / FACET_COLOR_MOST), one = vf_set(1);
+    const vf x = vf_convert_to(word & mask) * scale, y = vf_convert_to((word >> 10) & mask) * scale,
+             z = vf_convert_to((word >> 20) & mask) * scale;
+    return select3(colored, (vf3){x * x, y * y, z * z}, (vf3){one, one, one});
+}
+
 DAFT_INLINE void meet_facets(const window *r, sort s, vbits smooth, uint32_t wants, meeting *m)
 {
     m->outward = m->normal = part3(r, s, FACET_OUTWARD);
     m->point = m->shadow_origin = plane_point(r, s, m->outward);
     m->size = part(r, s, FACET_SIZE);
-    if (!smooth && !(wants & WANT_TEXTURE)) return;
+    m->color = set3(daft_v3(1, 1, 1)), m->tangent = m->bitangent = set3(daft_v3(0, 0, 0));
+    if (!smooth && !(wants & (WANT_TEXTURE | WANT_COLOR))) return;
     vf w[3];
     corner_weights(r, s, w);
+    if (wants & WANT_COLOR) {
+        const vm colored = vi_eq(m->word & vi_set(FACET_COLORED), vi_set(FACET_COLORED));
+        const vf3 c[3] = {facet_color(r, s, 0, colored), facet_color(r, s, 1, colored), facet_color(r, s, 2, colored)};
+        m->color = mean3(c, w);
+    }
+    if (wants & WANT_TANGENT) facet_axes(r, s, m);
     if (wants & WANT_TEXTURE) {
         m->density = part(r, s, FACET_DENSITY);
         m->u = part(r, s, FACET_UV) * w[0] + part(r, s, FACET_UV + 2) * w[1] + part(r, s, FACET_UV + 4) * w[2];
@@ -145,6 +183,7 @@ DAFT_INLINE void meet_spheres(const window *r, sort s, uint32_t wants, meeting *
     vf3 normal = unit3(sub3(near, centre));
     m->point = m->shadow_origin = add3(centre, scale3(normal, radius));
     m->size = part(r, s, FACET_SIZE);
+    m->color = set3(daft_v3(1, 1, 1)), m->tangent = m->bitangent = set3(daft_v3(0, 0, 0));
     if (wants & WANT_TEXTURE) {
         vf3 local =
             unit3((vf3){vf3_dot(part3(r, s, SPHERE_TURN), normal), vf3_dot(part3(r, s, SPHERE_TURN + 3), normal),
@@ -152,6 +191,13 @@ DAFT_INLINE void meet_spheres(const window *r, sort s, uint32_t wants, meeting *
         m->density = part(r, s, FACET_DENSITY);
         m->u = vf_set(0.5f) + vf_atan2(local.z, local.x) * vf_set(0.159154943f);
         m->v = vf_set(0.5f) + vf_asin(local.y) * vf_set(0.318309886f);
+        if (wants & WANT_TANGENT) {
+            const vf3 row[3] = {part3(r, s, SPHERE_TURN), part3(r, s, SPHERE_TURN + 3), part3(r, s, SPHERE_TURN + 6)};
+            m->tangent = add3(scale3(row[0], -local.z), scale3(row[2], local.x));
+            m->bitangent =
+                add3(add3(scale3(row[0], -local.x * local.y), scale3(row[1], local.x * local.x + local.z * local.z)),
+                     scale3(row[2], -local.z * local.y));
+        }
     }
     vf side = vf_if_then_else(vf_lt(vf_set(0), vf3_dot(normal, d)), vf_set(-1), vf_set(1));
     m->normal = m->outward = scale3(normal, side);
@@ -166,6 +212,9 @@ DAFT_INLINE void take_spheres(const window *r, sort s, vbits spheres, uint32_t w
     m->normal = select3(which, b.normal, m->normal), m->outward = select3(which, b.outward, m->outward);
     m->size = vf_if_then_else(which, b.size, m->size), m->density = vf_if_then_else(which, b.density, m->density);
     m->u = vf_if_then_else(which, b.u, m->u), m->v = vf_if_then_else(which, b.v, m->v);
+    if (wants & WANT_COLOR) m->color = select3(which, b.color, m->color);
+    if (!(wants & WANT_TANGENT)) return;
+    m->tangent = select3(which, b.tangent, m->tangent), m->bitangent = select3(which, b.bitangent, m->bitangent);
 }
 
 /* rows: the number of each ray's row. */
@@ -185,8 +234,8 @@ DAFT_INLINE void meet_mixed(window *r, bool camera, const daft_facets *f, const 
     m->word = (vi)r->part[FACET_WORD];
     vbits smooth = vbits_from_mask(vi_lt(m->word, vi_set(0)));
     vbits spheres = vbits_from_mask(vi_eq(m->word & vi_set(FACET_SPHERE), vi_set(FACET_SPHERE)));
-    if ((smooth | spheres) || (wants & WANT_TEXTURE)) load_parts(r, f, rows, 1, 5);
-    if (wants & WANT_TEXTURE) load_parts(r, f, rows, 5, 6);
+    if ((smooth | spheres) || (wants & (WANT_TEXTURE | WANT_COLOR))) load_parts(r, f, rows, 1, 5);
+    if (wants & (WANT_TEXTURE | WANT_COLOR)) load_parts(r, f, rows, 5, 6);
     m->density = m->u = m->v = vf_set(0);
     meet_facets(r, s, smooth, wants, m);
     if (spheres) take_spheres(r, s, spheres, wants, m);
@@ -235,6 +284,9 @@ DAFT_INLINE void store_meeting(const meeting *m, vf3 direction, vf3 normal, vf r
         vf_store(&b->footprint[at], spread * m->density / vf_sqrt(cosine));
         vf_store(&b->u[at], m->u), vf_store(&b->v[at], m->v);
     }
+    if (wants & WANT_COLOR) store3(&b->albedo, at, m->color);
+    if (wants & WANT_TANGENT)
+        store3(&b->varying->tangent, at, m->tangent), store3(&b->varying->bitangent, at, m->bitangent);
     if (wants & WANT_PATH) vf_store(&b->extent[at], m->size);
 }
 
@@ -517,7 +569,8 @@ static void repeat_last(const daft_facets *f, daft_batch *b)
 void DAFT_KERNEL(daft_hit_points)(const daft_snapshot *snapshot, const daft_ray_batch *rays, uint32_t first,
                                   const daft_hit *hits, uint32_t count, daft_facets *facets, daft_batch *points)
 {
-    const uint32_t wants = WANT_SHADOW | WANT_VIEW | WANT_TEXTURE | WANT_PATH | WANT_DISTANCE;
+    const uint32_t wants = WANT_SHADOW | WANT_VIEW | WANT_TEXTURE | WANT_PATH | WANT_DISTANCE |
+                           (facets->colors ? WANT_COLOR : 0u) | (facets->tangents ? WANT_TANGENT : 0u);
     facets->count = 0, facets->traits = 0, facets->last_material = UINT32_MAX;
     take_hits(snapshot, rays, first, hits, count, facets, points);
     if (facets->count) repeat_last(facets, points);

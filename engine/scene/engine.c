@@ -87,7 +87,7 @@ daft_engine *daft_engine_create(const daft_engine_def *def, daft_error *error)
     }
     engine->allocator = allocator;
     engine->budget = budget;
-    engine->log = (daft_log){def->warn, def->warn_user, &engine->callbacks};
+    engine->log = (daft_log){def->warn, def->warn_user, &engine->callbacks, false};
     engine->threads = def->threads == 0 ? daft_processor_count() : daft_min_i(daft_max_i(def->threads, 1), MAX_THREADS);
     engine->isa = isa;
     engine->accel = def->accel;

@@ -96,8 +96,20 @@ static daft_surface strip(daft_surface surface, uint32_t without)
     if (without & DAFT_WITHOUT_DIFFUSE) surface.diffuse = none;
     if (without & (DAFT_WITHOUT_SPECULAR | DAFT_WITHOUT_SHADING)) surface.specular = none;
     if (without & DAFT_WITHOUT_SHADING) surface.mirror = none;
-    if (without & DAFT_WITHOUT_TEXTURES) surface.texture = DAFT_NO_TEXTURE;
+    if (surface.traits & DAFT_TRAIT_PHYSICAL && without & (DAFT_WITHOUT_SPECULAR | DAFT_WITHOUT_SHADING))
+        surface.traits &= ~(uint32_t)DAFT_TRAIT_PHYSICAL, surface.mirror = none;
+    if (!(without & DAFT_WITHOUT_TEXTURES)) return surface;
+    surface.texture = DAFT_NO_TEXTURE;
+    surface.traits &= ~(uint32_t)(DAFT_TRAIT_MAPS | DAFT_TRAIT_TANGENT);
+    for (int i = 0; i < DAFT_MAPS; i++) surface.maps[i] = DAFT_NO_TEXTURE;
     return surface;
+}
+
+static bool some_mesh_is_colored(const daft_assets *assets)
+{
+    for (uint32_t i = 0; i < assets->mesh_slots.count; i++)
+        if (assets->meshes[i] && assets->meshes[i]->mesh.colors) return true;
+    return false;
 }
 
 /* Instances, and with them what they index: surfaces and textures. */
@@ -126,6 +138,7 @@ static bool frame_place(daft_scene *scene, daft_scene_frame *f, const daft_view 
     s->instances = listing.instances, s->instance_count = listing.count;
     s->materials = surfaces, s->material_count = assets->material_slots.count;
     s->textures = textures, s->texture_count = assets->texture_slots.count;
+    s->colors = some_mesh_is_colored(assets);
     s->revision = ++scene->engine->revision;
     f->revision = scene->revision, f->tick = scene->tick, f->alpha = view->alpha, f->origin = view->camera.position;
     f->without = view->without, f->kdtrees = daft_uses_kdtrees(scene, view);

@@ -334,7 +334,7 @@ daft_mesh_item *daft_mesh_find(const daft_scene *scene, daft_mesh mesh, daft_err
 bool daft_texture_check(const daft_scene *scene, daft_texture texture, daft_error *error);
 /* The texture of an MTL's map, held once more: what cannot be read becomes a checker and one warning. 0: memory is out.
  */
-daft_texture daft_texture_of_map(daft_scene *scene, const daft_mtl *mtl, daft_error *error);
+daft_texture daft_texture_of_map(daft_scene *scene, const daft_mtl *mtl, daft_mtl_use use, daft_error *error);
 /* The mesh of a box of this size; counts a user. DAFT_NONE: memory is out. */
 uint32_t daft_box_acquire(daft_scene *scene, daft_vec3 size, daft_error *error);
 void daft_box_drop(daft_scene *scene, uint32_t box_index);
@@ -358,6 +358,10 @@ uint32_t daft_asset_add(daft_scene *scene, daft_slots *slots, daft_asset_state *
 /* ---- materials.c ---- */
 
 void daft_material_free(daft_scene *scene, uint32_t index);
+/* A texture, by its handle, is another picture now. */
+void daft_material_refresh(daft_scene *scene, uint32_t texture);
+enum { DAFT_MATERIAL_TEXTURES = 10 };
+const daft_texture *daft_material_textures(const daft_material_def *def, daft_texture out[DAFT_MATERIAL_TEXTURES]);
 
 bool daft_material_check(const daft_scene *scene, daft_material material, daft_error *error);
 /* Fills the members of the definition that say how light passes. */

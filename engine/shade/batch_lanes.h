@@ -8,6 +8,16 @@
 
 bool DAFT_KERNEL(daft_albedo)(daft_batch *batch, const daft_surface *materials, const daft_texture_data *textures,
                               daft_texture_filter filter);
+/* What a map of the materials says at the DAFT_VL points from i on, as linear light or as bytes, 0..1, and then alpha,
+ * too; points without one keep what is there. And the slopes of heights, per texel. */
+void DAFT_KERNEL(daft_map_color)(const daft_batch *batch, const daft_surface *materials,
+                                 const daft_texture_data *textures, daft_texture_filter filter, uint32_t map,
+                                 bool linear, uint32_t i, vf3 *color, vf *alpha);
+void DAFT_KERNEL(daft_map_slopes)(const daft_batch *batch, const daft_surface *materials,
+                                  const daft_texture_data *textures, daft_texture_filter filter, uint32_t i,
+                                  vf *along_u, vf *along_v);
+void DAFT_KERNEL(daft_vary)(daft_batch *batch, const daft_surface *materials, const daft_texture_data *textures,
+                            daft_texture_filter filter, const daft_vary_def *def);
 void DAFT_KERNEL(daft_sky_color)(const daft_sky *sky, const daft_lanes3 *direction, uint32_t count, daft_lanes3 *color);
 void DAFT_KERNEL(daft_fog_way)(const daft_air *air, const daft_lanes3 *origin, const daft_lanes3 *direction,
                                const float *length, uint32_t first, uint32_t count, float *through, daft_lanes3 *own);
@@ -23,10 +33,10 @@ DAFT_INLINE void lanes_store(daft_lanes3 *a, uint32_t i, vf3 v)
     vf_store(&a->x[i], v.x), vf_store(&a->y[i], v.y), vf_store(&a->z[i], v.z);
 }
 
-/* a times the points' albedo: 1 unless some point of the batch has a texture. */
+/* a times the points' albedo: 1 unless some point of the batch has a texture or a colour of its own. */
 DAFT_INLINE vf3 times_albedo(const daft_batch *batch, uint32_t i, vf3 a)
 {
-    if (!(batch->traits & DAFT_TRAIT_TEXTURE)) return a;
+    if (!(batch->traits & (DAFT_TRAIT_TEXTURE | DAFT_TRAIT_COLORS))) return a;
     vf3 albedo = lanes_load(&batch->albedo, i);
     return (vf3){a.x * albedo.x, a.y * albedo.y, a.z * albedo.z};
 }

@@ -7,7 +7,10 @@
 
 DAFT_INLINE vf3 ambient_light(const daft_batch *batch, const material_reader *m, uint32_t i, daft_vec3 color)
 {
-    vf3 reflected = times_albedo(batch, i, MATERIAL_COLOR(m, ambient)), emitted = MATERIAL_COLOR(m, emission);
+    const bool varies = batch->traits & DAFT_TRAIT_VARIES;
+    vf3 reflected =
+        varies ? lanes_load(&batch->varying->ambient, i) : times_albedo(batch, i, MATERIAL_COLOR(m, ambient));
+    vf3 emitted = varies ? lanes_load(&batch->varying->emission, i) : MATERIAL_COLOR(m, emission);
     return (vf3){emitted.x + reflected.x * vf_set(color.x), emitted.y + reflected.y * vf_set(color.y),
                  emitted.z + reflected.z * vf_set(color.z)};
 }
@@ -88,21 +91,65 @@ static uint32_t facing(daft_batch *batch, const daft_light_source *source, uint3
 #define LEAST_POWER 0x1p-96f
 
 /* Adds Phong's highlight. */
+DAFT_INLINE void add_highlight_of(const daft_batch *batch, vf3 specular, vf shininess, uint32_t i, vf3 l, vf cosine,
+                                  vf3 *sum)
+{
+    vf3 n = lanes_load(&batch->normal, i), view = lanes_load(&batch->view, i);
+    vf mirrored = vf_set(2) * cosine * vf3_dot(n, view) - vf3_dot(l, view), zero = vf_set(0);
+    vf power = vf_if_then_else(vf_lt(zero, mirrored), vf_pow(vf_clamp01(mirrored), shininess), zero);
+    power = vf_if_then_else(vf_lt(vf_set(LEAST_POWER), power), power, zero);
+    *sum = (vf3){sum->x + specular.x * power, sum->y + specular.y * power, sum->z + specular.z * power};
+}
+
 DAFT_INLINE void add_highlight(const daft_batch *batch, const material_reader *m, uint32_t i, vf3 l, vf cosine,
                                vf3 *sum)
 {
-    vf3 n = lanes_load(&batch->normal, i), view = lanes_load(&batch->view, i), specular = MATERIAL_COLOR(m, specular);
-    vf mirrored = vf_set(2) * cosine * vf3_dot(n, view) - vf3_dot(l, view), zero = vf_set(0);
-    vf power = vf_if_then_else(vf_lt(zero, mirrored), vf_pow(vf_clamp01(mirrored), MATERIAL_WORD(m, shininess)), zero);
-    power = vf_if_then_else(vf_lt(vf_set(LEAST_POWER), power), power, zero);
-    *sum = (vf3){sum->x + specular.x * power, sum->y + specular.y * power, sum->z + specular.z * power};
+    add_highlight_of(batch, MATERIAL_COLOR(m, specular), MATERIAL_WORD(m, shininess), i, l, cosine, sum);
+}
+
+/* What facets mirror of a light, times its cosine: GGX, Smith's term for both directions at once, Schlick's Fresnel;
+ * and what they hide from each other, as vary_kernel.c says. A light's colour is what a white surface that faces it
+ * sends on, so all is times pi. */
+DAFT_INLINE vf3 facet_light(const daft_batch *batch, vf3 f0, vf alpha, uint32_t i, vf3 l, vf cosine)
+{
+    const vf zero = vf_set(0), one = vf_set(1), tiny = vf_set(1e-6f);
+    const vf3 n = lanes_load(&batch->normal, i), view = lanes_load(&batch->view, i);
+    const vf nv = vf_max(vf3_dot(n, view), vf_set(1e-3f)), nl = vf_max(cosine, zero);
+    vf3 h = {l.x + view.x, l.y + view.y, l.z + view.z};
+    const vf inverse = one / vf_sqrt(vf_max(vf3_dot(h, h), tiny));
+    const vf nh = vf_clamp01(vf3_dot(n, h) * inverse), vh = vf_clamp01(vf3_dot(view, h) * inverse), a2 = alpha * alpha;
+    const vf spread = nh * nh * (a2 - one) + one, d = a2 / vf_max(spread * spread, vf_set(1e-12f));
+    const vf hidden = nl * vf_sqrt(nv * nv * (one - a2) + a2) + nv * vf_sqrt(nl * nl * (one - a2) + a2);
+    const vf g = vf_set(0.5f) / vf_max(hidden, tiny), away = one - vh, away2 = away * away,
+             steep = away2 * away2 * away;
+    const vf rough = vf_sqrt(alpha), lost = one / (one - vf_set(0.55f) * rough) - one, all = d * g * nl;
+    const vf3 f = {f0.x + (one - f0.x) * steep, f0.y + (one - f0.y) * steep, f0.z + (one - f0.z) * steep};
+    return (vf3){f.x * all * (one + f0.x * lost), f.y * all * (one + f0.y * lost), f.z * all * (one + f0.z * lost)};
+}
+
+/* Of points that are not all Phong's. */
+static __attribute__((noinline)) vf3 varying_light(const daft_batch *batch, uint32_t i, vf3 l, vf cosine)
+{
+    const daft_varying *v = batch->varying;
+    const vf gloss = vf_load(&v->gloss[i]);
+    const vf3 diffuse = lanes_load(&v->diffuse, i), specular = lanes_load(&v->specular, i);
+    vf3 sum = {diffuse.x * cosine, diffuse.y * cosine, diffuse.z * cosine}, facets = {vf_set(0), vf_set(0), vf_set(0)};
+    const vm physical = vf_lt(gloss, vf_set(0));
+    const vbits some = vbits_from_mask(physical);
+    vf3 phong = sum;
+    if (some != DAFT_ALL_LANES) add_highlight_of(batch, specular, vf_max(gloss, vf_set(0)), i, l, cosine, &phong);
+    if (!some) return phong;
+    facets = facet_light(batch, specular, -gloss, i, l, cosine);
+    return (vf3){vf_if_then_else(physical, sum.x + facets.x, phong.x),
+                 vf_if_then_else(physical, sum.y + facets.y, phong.y),
+                 vf_if_then_else(physical, sum.z + facets.z, phong.z)};
 }
 
 static void direct_light(daft_batch *batch, const daft_surface *materials, const daft_light_source *source,
                          const uint32_t lit[DAFT_BATCH_WORDS], const daft_lanes3 *arriving, const daft_vec3 *first)
 {
     const vf zero = vf_set(0);
-    const bool specular = batch->traits & DAFT_TRAIT_SPECULAR;
+    const bool specular = batch->traits & DAFT_TRAIT_SPECULAR, varies = batch->traits & DAFT_TRAIT_VARIES;
     for (uint32_t i = 0; i < batch->count; i += DAFT_VL) {
         vbits bits = bits_at(lit, i);
         if (!bits && !first) continue;
@@ -113,9 +160,14 @@ static void direct_light(daft_batch *batch, const daft_surface *materials, const
             continue;
         }
         vf cosine = vf_load(&batch->cosine[i]);
-        vf3 sum = times_albedo(batch, i, MATERIAL_COLOR(&m, diffuse));
-        sum = (vf3){sum.x * cosine, sum.y * cosine, sum.z * cosine};
-        if (specular) add_highlight(batch, &m, i, direction_to(batch, source, i), cosine, &sum);
+        vf3 sum;
+        if (varies) {
+            sum = varying_light(batch, i, direction_to(batch, source, i), cosine);
+        } else {
+            sum = times_albedo(batch, i, MATERIAL_COLOR(&m, diffuse));
+            sum = (vf3){sum.x * cosine, sum.y * cosine, sum.z * cosine};
+            if (specular) add_highlight(batch, &m, i, direction_to(batch, source, i), cosine, &sum);
+        }
         if (source->spot) {
             vf falloff = cone_falloff(source, direction_to(batch, source, i));
             sum = (vf3){sum.x * falloff, sum.y * falloff, sum.z * falloff};
@@ -181,6 +233,7 @@ static void scatter_add(daft_lanes3 *color, const uint32_t *pixel, uint32_t coun
 
 const daft_shade_kernels DAFT_KERNEL(daft_shade) = {
     .albedo = DAFT_KERNEL(daft_albedo),
+    .vary = DAFT_KERNEL(daft_vary),
     .ambient = ambient,
     .extent = extent,
     .facing = facing,

@@ -10,6 +10,20 @@
 
 #define DAFT_NO_TEXTURE UINT32_MAX
 
+/* The maps of daft_surface.maps. */
+enum {
+    DAFT_MAP_AMBIENT,
+    DAFT_MAP_SPECULAR,
+    DAFT_MAP_EMISSION,
+    DAFT_MAP_SHININESS,
+    DAFT_MAP_ROUGHNESS,
+    DAFT_MAP_METALLIC,
+    DAFT_MAP_NORMAL,
+    DAFT_MAP_BUMP,
+    DAFT_MAP_ALPHA,
+    DAFT_MAPS
+};
+
 /* A material as the kernels read it: words in this order, gathered by their number. */
 typedef struct daft_surface {
     daft_vec3 ambient, diffuse; /* times 1 - transmission */
@@ -20,15 +34,27 @@ typedef struct daft_surface {
     float shininess;
     float alpha;      /* of the facets that mirror and refract (GGX): the square of the roughness; 0: smooth */
     uint32_t texture; /* index into the snapshot's textures, or DAFT_NO_TEXTURE */
-    daft_vec2 map_scale;
+    daft_vec2 map_scale, map_offset;
+    uint32_t wrap;   /* a daft_wrap */
+    uint32_t traits; /* DAFT_TRAIT_VARIES, and what goes with it; 0: all that follows is not read */
+    float metallic, roughness;
+    float normal_strength, bump_strength, opacity, cutoff;
+    uint32_t maps[DAFT_MAPS]; /* textures, each DAFT_NO_TEXTURE or an index; DAFT_MAP_… */
+    uint32_t alpha_channel;   /* of DAFT_MAP_ALPHA: a texel's byte, 0 to 3 */
 } daft_surface;
 
 /* Traits of materials: what their points call for beside Lambert's law. */
 enum {
     DAFT_TRAIT_TEXTURE = 1,
     DAFT_TRAIT_SPECULAR = 2,
-    DAFT_TRAIT_SENDS = 4, /* mirrors or transmits */
-    DAFT_TRAIT_ROUGH = 8  /* and does so in many directions */
+    DAFT_TRAIT_SENDS = 4,     /* mirrors, transmits or blends */
+    DAFT_TRAIT_ROUGH = 8,     /* and mirrors or transmits in many directions */
+    DAFT_TRAIT_COLORS = 16,   /* a mesh's vertices have colours: a trait of its points, of no material */
+    DAFT_TRAIT_VARIES = 32,   /* more than the colour depends on the place or the direction: daft_varying */
+    DAFT_TRAIT_MAPS = 64,     /* some of it by maps */
+    DAFT_TRAIT_TANGENT = 128, /* some of these are normals or heights */
+    DAFT_TRAIT_PHYSICAL = 256,
+    DAFT_TRAIT_BLEND = 512
 };
 
 static inline uint32_t daft_surface_traits(const daft_surface *m)
@@ -36,7 +62,13 @@ static inline uint32_t daft_surface_traits(const daft_surface *m)
     bool specular = m->specular.x != 0 || m->specular.y != 0 || m->specular.z != 0;
     bool sends = m->mirror.x > 0 || m->mirror.y > 0 || m->mirror.z > 0 || m->transmission > 0;
     return (m->texture != DAFT_NO_TEXTURE ? DAFT_TRAIT_TEXTURE : 0u) | (specular ? DAFT_TRAIT_SPECULAR : 0u) |
-           (sends ? DAFT_TRAIT_SENDS : 0u) | (sends && m->alpha > 0 ? DAFT_TRAIT_ROUGH : 0u);
+           (sends ? DAFT_TRAIT_SENDS : 0u) | (sends && m->alpha > 0 ? DAFT_TRAIT_ROUGH : 0u) | m->traits;
+}
+
+/* Whether its points need texture coordinates. */
+static inline bool daft_surface_is_textured(const daft_surface *m)
+{
+    return m->texture != DAFT_NO_TEXTURE || m->traits & DAFT_TRAIT_MAPS;
 }
 
 typedef struct daft_light_source {
@@ -81,6 +113,24 @@ typedef struct daft_lanes3 {
     float x[DAFT_BATCH_ROOM], y[DAFT_BATCH_ROOM], z[DAFT_BATCH_ROOM];
 } daft_lanes3;
 
+/* What materials with DAFT_TRAIT_VARIES are at a batch's points, and so are the other materials of such a batch. */
+typedef struct daft_varying {
+    daft_lanes3 tangent, bitangent; /* where u and v grow, of any length; DAFT_TRAIT_TANGENT */
+    daft_lanes3 ambient, diffuse;   /* times the albedo */
+    daft_lanes3 specular;           /* of Phong, or straight on of facets (F0) */
+    daft_lanes3 emission, mirror;   /* mirror: of the rays that are sent on */
+    float gloss[DAFT_BATCH_ROOM];   /* Phong's exponent or, less than 0, minus alpha of facets */
+    float alpha[DAFT_BATCH_ROOM];   /* of the facets that mirror and transmit */
+    float opacity[DAFT_BATCH_ROOM]; /* the rest is seen through it */
+} daft_varying;
+
+/* What the points of a batch may still do. */
+typedef struct daft_vary_def {
+    bool mirrors;       /* mirrored rays are followed: else the ambient light stands for what they would see */
+    bool lets_through;  /* what lies behind is looked for: else surfaces that blend are opaque */
+    float least_mirror; /* see vary_kernel.c */
+} daft_vary_def;
+
 /* Points to be shaded, in frame space. Bit sets have point i at bit i % 32 of word i / 32. */
 typedef struct daft_batch {
     uint32_t count;
@@ -105,12 +155,17 @@ typedef struct daft_batch {
     daft_lanes3 light;                  /* what it sends to the viewer */
     float cosine[DAFT_BATCH_ROOM]; /* between the normal and the direction to the light that `facing` was called for
                                       last */
+    daft_varying *varying;         /* NULL: no material in the frame calls for it */
 } daft_batch;
 
 typedef struct daft_shade_kernels {
-    /* albedo: white, or the texture's colour, filtered in linear light. True if any point has a texture. */
+    /* albedo: white, or the texture's colour, filtered in linear light; times the vertices' colour, which is there
+     * before. True if any point has a texture. */
     bool (*albedo)(daft_batch *batch, const daft_surface *materials, const daft_texture_data *textures,
                    daft_texture_filter filter);
+    /* Of a batch with DAFT_TRAIT_VARIES, after `albedo`: fills what varies, and turns normals as maps say. */
+    void (*vary)(daft_batch *batch, const daft_surface *materials, const daft_texture_data *textures,
+                 daft_texture_filter filter, const daft_vary_def *def);
     /* light = emission + ambient. */
     void (*ambient)(daft_batch *batch, const daft_surface *materials, daft_vec3 ambient);
     /* The least and the largest coordinates of the points, one at least. */

@@ -1,4 +1,4 @@
-/* Texture sampling: repeating, trilinear unless a cheaper filter is asked for, in linear light. The mip level is the
+/* Texture sampling: trilinear unless a cheaper filter is asked for, in linear light. The mip level is the
  * log2 of the footprint's side in texels (Williams, "Pyramidal Parametrics", 1983). Lanes are points: those of one
  * texture that need one level of it are sampled together, and neighbours mostly do. */
 #include "shade/batch_lanes.h"
@@ -11,7 +11,15 @@ typedef struct texture_points {
     vi fine;
     vf blend; /* 0: one level serves */
     vf3 color;
+    vf alpha;
+    vm inside; /* lanes whose edges do not meet the opposite ones */
 } texture_points;
+
+/* What of the texels is asked for: sRGB colours as linear light or all bytes as they are, 0..1; constants where this is
+ * inlined. */
+typedef struct texture_use {
+    bool linear, nearest, edges; /* edges: some lanes are `inside` */
+} texture_use;
 
 /* Offsets in texels of the four around each lane's point, and the weights between them. */
 typedef struct texture_taps {
@@ -30,11 +38,15 @@ DAFT_INLINE vi wrap_below(vi i, int size) /* 0 <= i <= size */
 }
 
 /* Of lanes in `some`; the others' offsets are 0. The top row has v = 1. */
-DAFT_INLINE texture_taps texture_place(const texture_points *p, int width, int height, vm some)
+DAFT_INLINE texture_taps texture_place(const texture_points *p, int width, int height, vm some, bool edges)
 {
     const vf half = vf_set(0.5f), one = vf_set(1), zero = vf_set(0);
     vf x = vf_if_then_else(some, p->u * vf_set((float)width) - half, zero),
        y = vf_if_then_else(some, (one - p->v) * vf_set((float)height) - half, zero);
+    if (edges) {
+        x = vf_if_then_else(p->inside, vf_min(vf_max(x, zero), vf_set((float)(width - 1))), x);
+        y = vf_if_then_else(p->inside, vf_min(vf_max(y, zero), vf_set((float)(height - 1))), y);
+    }
     vi x0 = vi_convert_to(x + one) - vi_set(1), y0 = vi_convert_to(y + one) - vi_set(1); /* floors: both are > -1 */
     vi left = wrap_above(x0, width), right = wrap_below(x0 + vi_set(1), width),
        above = wrap_above(y0, height) * vi_set(width), below = wrap_below(y0 + vi_set(1), height) * vi_set(width);
@@ -47,22 +59,54 @@ DAFT_INLINE vf decode(vi texel, int channel) { return vf_table_lookup256(SRGB_TO
 /* The nearest of two texels has all the weight. */
 DAFT_INLINE vf step_at_half(vf a) { return vf_if_then_else(vf_lt(a, vf_set(0.5f)), vf_set(0), vf_set(1)); }
 
-/* Adds one level to the colour of the lanes in `some`. */
-static void add_level(const daft_texture_data *t, int level, vm some, vf weight, bool nearest, texture_points *p)
+DAFT_INLINE vf byte(vi texel, int channel)
 {
-    texture_taps at = texture_place(p, t->width[level], t->height[level], some);
-    if (nearest) at.across = step_at_half(at.across), at.down = step_at_half(at.down);
+    return vf_convert_to((texel >> (8 * channel)) & vi_set(255)) * vf_set(1.0f / 255);
+}
+
+DAFT_INLINE vf mix_four(vf a, vf b, vf c, vf d, const texture_taps *at)
+{
+    vf top = a + (b - a) * at->across, bottom = c + (d - c) * at->across;
+    return top + (bottom - top) * at->down;
+}
+
+/* Adds one level to the colour of the lanes in `some`. */
+DAFT_INLINE void add_level_as(const daft_texture_data *t, int level, vm some, vf weight, texture_use use,
+                              texture_points *p)
+{
+    texture_taps at = texture_place(p, t->width[level], t->height[level], some, use.edges);
+    if (use.nearest) at.across = step_at_half(at.across), at.down = step_at_half(at.down);
     const uint8_t *texels = t->texels[level];
     const vi a = vi_gather_index(texels, at.above_left), b = vi_gather_index(texels, at.above_right),
              c = vi_gather_index(texels, at.below_left), d = vi_gather_index(texels, at.below_right);
     vf sum[3] = {p->color.x, p->color.y, p->color.z};
     weight = vf_if_then_else(some, weight, vf_set(0));
     for (int k = 0; k < 3; k++) {
-        vf left = decode(a, k), low = decode(c, k);
-        vf top = left + (decode(b, k) - left) * at.across, bottom = low + (decode(d, k) - low) * at.across;
-        sum[k] = sum[k] + weight * (top + (bottom - top) * at.down);
+        if (use.linear)
+            sum[k] = sum[k] + weight * mix_four(byte(a, k), byte(b, k), byte(c, k), byte(d, k), &at);
+        else
+            sum[k] = sum[k] + weight * mix_four(decode(a, k), decode(b, k), decode(c, k), decode(d, k), &at);
     }
     p->color = (vf3){sum[0], sum[1], sum[2]};
+    if (use.linear) p->alpha += weight * mix_four(byte(a, 3), byte(b, 3), byte(c, 3), byte(d, 3), &at);
+}
+
+static void add_level(const daft_texture_data *t, int level, vm some, vf weight, texture_use use, texture_points *p)
+{
+    use.linear = false;
+    add_level_as(t, level, some, weight, use, p);
+}
+
+static void add_linear_level(const daft_texture_data *t, int level, vm some, vf weight, texture_use use,
+                             texture_points *p)
+{
+    use.linear = true;
+    add_level_as(t, level, some, weight, use, p);
+}
+
+DAFT_INLINE bool is_flat(daft_texture_filter filter)
+{
+    return filter == DAFT_TEXTURE_BILINEAR || filter == DAFT_TEXTURE_NEAREST;
 }
 
 /* Two levels blend in the middle half of the interval between them; in the outer quarters one level serves, which
@@ -70,7 +114,7 @@ static void add_level(const daft_texture_data *t, int level, vm some, vf weight,
 DAFT_INLINE void choose_levels(const daft_texture_data *t, vf level, daft_texture_filter filter, texture_points *p)
 {
     const vf zero = vf_set(0), one = vf_set(1);
-    level = vf_min(vf_max(level, zero), vf_set(filter >= DAFT_TEXTURE_BILINEAR ? 0 : (float)(t->levels - 1)));
+    level = vf_min(vf_max(level, zero), vf_set(is_flat(filter) ? 0 : (float)(t->levels - 1)));
     if (filter == DAFT_TEXTURE_MIPMAP) level = vf_floor(level + vf_set(0.5f));
     vi fine = vi_convert_to(level);
     vf blend = (level - vf_convert_to(fine)) * vf_set(2) - vf_set(0.5f);
@@ -80,7 +124,8 @@ DAFT_INLINE void choose_levels(const daft_texture_data *t, vf level, daft_textur
 }
 
 /* The colour of the lanes in `some`, which all have this texture. */
-DAFT_INLINE void sample(const daft_texture_data *t, vf level, daft_texture_filter filter, vbits some, texture_points *p)
+DAFT_INLINE void sample(const daft_texture_data *t, vf level, daft_texture_filter filter, vbits some, texture_use use,
+                        texture_points *p)
 {
     const vf zero = vf_set(0);
     choose_levels(t, level, filter, p);
@@ -90,7 +135,7 @@ DAFT_INLINE void sample(const daft_texture_data *t, vf level, daft_texture_filte
         const vbits in_fine = fine & vbits_from_mask(vi_eq(p->fine, vi_set(now))),
                     in_coarse = coarse & vbits_from_mask(vi_eq(p->fine, vi_set(now - 1)));
         const vf weight = vf_if_then_else(vm_from_bits(in_fine), vf_set(1) - p->blend, p->blend);
-        add_level(t, now, vm_from_bits(in_fine | in_coarse), weight, filter == DAFT_TEXTURE_NEAREST, p);
+        (use.linear ? add_linear_level : add_level)(t, now, vm_from_bits(in_fine | in_coarse), weight, use, p);
         fine &= ~in_fine, coarse &= ~in_coarse;
     }
 }
@@ -102,45 +147,138 @@ DAFT_INLINE vf fraction(vf a)
     return bounded - vf_floor(bounded);
 }
 
-/* False: no point has a texture. */
-static bool sample_lanes(daft_batch *batch, const daft_surface *materials, const daft_texture_data *textures,
-                         daft_texture_filter filter, uint32_t i)
+/* Where in the picture a coordinate is, 0..1: repeated, and where `wrap` says so held at the edge or mirrored. */
+DAFT_INLINE vf wrapped(vf a, vi wrap, vm inside)
 {
-    const material_reader m = read_materials(batch, materials, i);
-    const vi texture = (vi)MATERIAL_WORD(&m, texture);
-    vbits left = vbits_first_n((int)daft_min_u(batch->count - i, DAFT_VL)) &
-                 ~vbits_from_mask(vi_eq(texture, vi_set((int32_t)DAFT_NO_TEXTURE)));
-    if (!left) return false;
-    const vf su = MATERIAL_WORD(&m, map_scale.x), sv = MATERIAL_WORD(&m, map_scale.y);
-    const vf scale = vf_load(&batch->footprint[i]) * vf_sqrt(vf_abs(su * sv));
-    vf3 albedo = {vf_set(1), vf_set(1), vf_set(1)};
+    vf repeated = fraction(a), half = fraction(a * vf_set(0.5f)) * vf_set(2);
+    vf mirrored = vf_if_then_else(vf_lt(vf_set(1), half), vf_set(2) - half, half);
+    vf held = vf_if_then_else(vi_eq(wrap, vi_set(DAFT_WRAP_CLAMP)), vf_clamp01(a), mirrored);
+    return vf_if_then_else(inside, held, repeated);
+}
+
+/* Texture coordinates of DAFT_VL points as their materials turn them, and the footprint in texels of a texture of one
+ * texel. */
+typedef struct texture_lanes {
+    vf u, v, footprint;
+    vm inside;
+    bool edges;
+} texture_lanes;
+
+DAFT_INLINE texture_lanes lanes_of(const daft_batch *batch, const material_reader *m, uint32_t i)
+{
+    const vf su = MATERIAL_WORD(m, map_scale.x), sv = MATERIAL_WORD(m, map_scale.y);
+    const vi wrap = (vi)MATERIAL_WORD(m, wrap);
+    texture_lanes at = {.footprint = vf_load(&batch->footprint[i]) * vf_sqrt(vf_abs(su * sv))};
+    at.u = vf_load(&batch->u[i]) * su + MATERIAL_WORD(m, map_offset.x);
+    at.v = vf_load(&batch->v[i]) * sv + MATERIAL_WORD(m, map_offset.y);
+    at.inside = vm_not(vi_eq(wrap, vi_set(DAFT_WRAP_REPEAT)));
+    at.edges = vbits_from_mask(at.inside) != 0;
+    if (at.edges) {
+        at.u = wrapped(at.u, wrap, at.inside), at.v = wrapped(at.v, wrap, at.inside);
+    } else {
+        at.u = fraction(at.u), at.v = fraction(at.v);
+    }
+    return at;
+}
+
+/* What DAFT_VL points have of their textures; of those without one *out stays as it is. */
+DAFT_INLINE void sample_lanes(const texture_lanes *at, vi texture, vbits left, const daft_texture_data *textures,
+                              daft_texture_filter filter, bool linear, vf3 *color, vf *alpha)
+{
     while (left) {
         const int32_t number = texture[__builtin_ctz(left)];
         const daft_texture_data *t = &textures[number];
         const vbits same = left & vbits_from_mask(vi_eq(texture, vi_set(number)));
         const vf size = vf_set(sqrtf((float)t->width[0] * (float)t->height[0])); /* its side in texels */
-        texture_points p = {.u = fraction(vf_load(&batch->u[i]) * su), .v = fraction(vf_load(&batch->v[i]) * sv)};
-        p.color = (vf3){vf_set(0), vf_set(0), vf_set(0)};
-        sample(t, vf_log2(vf_max(scale * size, vf_set(1e-20f))), filter, same, &p);
+        texture_points p = {.u = at->u, .v = at->v, .inside = at->inside};
+        p.color = (vf3){vf_set(0), vf_set(0), vf_set(0)}, p.alpha = vf_set(0);
+        const texture_use use = {.linear = linear, .nearest = filter == DAFT_TEXTURE_NEAREST, .edges = at->edges};
+        sample(t, vf_log2(vf_max(at->footprint * size, vf_set(1e-20f))), filter, same, use, &p);
         const vm mask = vm_from_bits(same);
-        albedo = (vf3){vf_if_then_else(mask, p.color.x, albedo.x), vf_if_then_else(mask, p.color.y, albedo.y),
-                       vf_if_then_else(mask, p.color.z, albedo.z)};
+        *color = (vf3){vf_if_then_else(mask, p.color.x, color->x), vf_if_then_else(mask, p.color.y, color->y),
+                       vf_if_then_else(mask, p.color.z, color->z)};
+        if (linear) *alpha = vf_if_then_else(mask, p.alpha, *alpha);
         left &= ~same;
     }
-    lanes_store(&batch->albedo, i, albedo);
-    return true;
+}
+
+DAFT_INLINE vbits with_texture(const daft_batch *batch, vi texture, uint32_t i)
+{
+    return vbits_first_n((int)daft_min_u(batch->count - i, DAFT_VL)) &
+           ~vbits_from_mask(vi_eq(texture, vi_set((int32_t)DAFT_NO_TEXTURE)));
 }
 
 bool DAFT_KERNEL(daft_albedo)(daft_batch *batch, const daft_surface *materials, const daft_texture_data *textures,
                               daft_texture_filter filter)
 {
+    const vf one = vf_set(1);
+    const bool colors = batch->traits & DAFT_TRAIT_COLORS;
     bool any = false;
-    vf one = vf_set(1);
     for (uint32_t i = 0; i < batch->count; i += DAFT_VL) {
-        if (sample_lanes(batch, materials, textures, filter, i))
+        const material_reader m = read_materials(batch, materials, i);
+        const vi texture = (vi)MATERIAL_WORD(&m, texture);
+        const vbits some = with_texture(batch, texture, i);
+        vf3 albedo = {one, one, one};
+        vf unused = one;
+        if (some) {
+            const texture_lanes at = lanes_of(batch, &m, i);
+            sample_lanes(&at, texture, some, textures, filter, false, &albedo, &unused);
             any = true;
-        else
-            lanes_store(&batch->albedo, i, (vf3){one, one, one});
+        }
+        if (colors) {
+            const vf3 own = lanes_load(&batch->albedo, i);
+            albedo = (vf3){albedo.x * own.x, albedo.y * own.y, albedo.z * own.z};
+        }
+        lanes_store(&batch->albedo, i, albedo);
     }
     return any;
+}
+
+void DAFT_KERNEL(daft_map_color)(const daft_batch *batch, const daft_surface *materials,
+                                 const daft_texture_data *textures, daft_texture_filter filter, uint32_t map,
+                                 bool linear, uint32_t i, vf3 *color, vf *alpha)
+{
+    const material_reader m = read_materials(batch, materials, i);
+    const vi texture = (vi)material_word(&m, offsetof(daft_surface, maps) / sizeof(float) + map);
+    const vbits some = with_texture(batch, texture, i);
+    if (!some) return;
+    const texture_lanes at = lanes_of(batch, &m, i);
+    if (linear)
+        sample_lanes(&at, texture, some, textures, filter, true, color, alpha);
+    else
+        sample_lanes(&at, texture, some, textures, filter, false, color, alpha);
+}
+
+/* Heights at three places, half a texel of the level of detail apart, of which slopes are made: in texels of the full
+ * image, as Blinn does in "Simulation of Wrinkled Surfaces" (SIGGRAPH 1978). */
+void DAFT_KERNEL(daft_map_slopes)(const daft_batch *batch, const daft_surface *materials,
+                                  const daft_texture_data *textures, daft_texture_filter filter, uint32_t i,
+                                  vf *along_u, vf *along_v)
+{
+    const material_reader m = read_materials(batch, materials, i);
+    const vi texture = (vi)MATERIAL_WORD(&m, maps[DAFT_MAP_BUMP]);
+    for (vbits left = with_texture(batch, texture, i); left;) {
+        const int32_t number = texture[__builtin_ctz(left)];
+        const daft_texture_data *t = &textures[number];
+        const vbits same = left & vbits_from_mask(vi_eq(texture, vi_set(number)));
+        const vf width = vf_set((float)t->width[0]), height = vf_set((float)t->height[0]);
+        texture_lanes at = lanes_of(batch, &m, i);
+        vf step = is_flat(filter) ? vf_set(1) : vf_max(at.footprint * vf_sqrt(width * height), vf_set(1));
+        vf heights[4], unused = vf_set(0);
+        for (int k = 0; k < 4; k++) {
+            const vf way = k & 1 ? step * vf_set(0.5f) : step * vf_set(-0.5f);
+            texture_lanes near = at;
+            if (k < 2) near.u = at.u + way / width;
+            if (k >= 2) near.v = at.v + way / height;
+            near.u = at.edges ? vf_if_then_else(at.inside, vf_clamp01(near.u), fraction(near.u)) : fraction(near.u);
+            near.v = at.edges ? vf_if_then_else(at.inside, vf_clamp01(near.v), fraction(near.v)) : fraction(near.v);
+            vf3 color = {vf_set(0), vf_set(0), vf_set(0)};
+            sample_lanes(&near, texture, same, textures, filter, true, &color, &unused);
+            heights[k] = color.y;
+        }
+        const vm mask = vm_from_bits(same);
+        *along_u = vf_if_then_else(mask, (heights[1] - heights[0]) / step, *along_u);
+        *along_v = vf_if_then_else(mask, (heights[3] - heights[2]) / step, *along_v);
+        left &= ~same;
+    }
 }

@@ -124,7 +124,7 @@ static bool drop_unused(const daft_foreign *from, daft_obj *made)
     for (uint32_t t = 0; t < made->mesh.triangle_count; t++) number[made->mesh.slots[t]] = 1;
     for (uint32_t i = 0; i < count; i++) {
         if (!number[i]) {
-            daft_release(from->allocator, made->slots.items[i].map_bytes);
+            daft_mtl_drop(from->allocator, &made->slots.items[i]);
             continue;
         }
         number[i] = kept;

@@ -1,7 +1,8 @@
-/* Materials as MTL has them. Metallic-roughness ones become the nearest Lambert-Phong: a metal's colour is in its
- * highlight, and the exponent 2 / r^4 - 2 makes the highlight as wide as a roughness of r does (Burley, "Physically
- * Based Shading at Disney", 2012, has alpha = r^2; Walter et al. 2007 relate alpha to Phong's exponent). */
+/* Materials as MTL has them, with Pr and Pm where they are metallic-roughness ones: glTF's base colour, metal and
+ * roughness, normals, emission, alphaMode and alphaCutoff. */
 #include "geometry/foreign/assimp.h"
+
+#include <assimp/GltfMaterial.h>
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -34,7 +35,7 @@ static bool color(const reader *r, const char *key, unsigned type, unsigned inde
 /* ---- pictures ---- */
 
 /* One within the file. A raw one gets the header of a TGA file, which readers of pictures know. */
-static bool take_embedded(const daft_foreign *from, const struct aiTexture *texture, daft_mtl *out)
+static bool take_embedded(const daft_foreign *from, const struct aiTexture *texture, uint8_t **out, size_t *out_size)
 {
     enum { TGA_HEADER = 18 };
     const bool raw = texture->mHeight > 0;
@@ -56,7 +57,7 @@ static bool take_embedded(const daft_foreign *from, const struct aiTexture *text
     } else {
         memcpy(bytes, texture->pcData, size);
     }
-    out->map_bytes = bytes, out->map_size = size;
+    *out = bytes, *out_size = size;
     return true;
 }
 
@@ -85,32 +86,31 @@ static void place_map(const daft_foreign *from, const char *name, char out[1024]
     if (base && !daft_file_exists(from->files, out)) snprintf(out, 1024, "%.500s%.500s", folder, base + 1);
 }
 
-static bool take_map(const reader *r, enum aiTextureType type, daft_mtl *out)
+/* The map of a use, or the material's own for DAFT_MTL_DIFFUSE. */
+static bool take_map(const reader *r, enum aiTextureType type, daft_mtl_use use, daft_mtl *out)
 {
     struct aiString name;
     if (r->from->assimp->texture(r->material, type, 0, &name, NULL, NULL, NULL, NULL, NULL, NULL) != aiReturn_SUCCESS)
         return true;
     for (char *c = name.data; *c; c++)
         if (*c == '\\') *c = '/';
+    daft_mtl_map *map = use == DAFT_MTL_DIFFUSE ? NULL : daft_mtl_map_at(r->from->allocator, out, use);
+    if (!map && use != DAFT_MTL_DIFFUSE) return daft_fail_memory(r->from->error, "a material's maps");
+    char *path = map ? map->path : out->diffuse_map;
     const struct aiTexture *embedded = find_embedded(r->from->scene, name.data);
+    if (map) map->change.gain = 1;
     if (embedded) { /* the name is its own in the cache of textures */
-        snprintf(out->diffuse_map, sizeof out->diffuse_map, "%.500s#%.400s", r->from->path, name.data);
-        return take_embedded(r->from, embedded, out);
+        snprintf(path, sizeof out->diffuse_map, "%.500s#%.400s", r->from->path, name.data);
+        return take_embedded(r->from, embedded, map ? &map->bytes : &out->map_bytes, map ? &map->size : &out->map_size);
     }
-    if (name.data[0] && name.data[0] != '*') place_map(r->from, name.data, out->diffuse_map);
+    if (name.data[0] && name.data[0] != '*') place_map(r->from, name.data, path);
     return true;
 }
 
 /* ---- the material ---- */
 
-static bool has_map(const reader *r, enum aiTextureType type)
-{
-    struct aiString name;
-    return r->from->assimp->texture(r->material, type, 0, &name, NULL, NULL, NULL, NULL, NULL, NULL) ==
-           aiReturn_SUCCESS;
-}
-
-static void from_metal(const reader *r, daft_mtl *out)
+/* False: it is no metallic-roughness one. */
+static bool from_metal(const reader *r, daft_mtl *out)
 {
     float metal = 1, rough = 1;
     const bool has_metal = number(r, AI_MATKEY_METALLIC_FACTOR, &metal);
@@ -118,20 +118,29 @@ static void from_metal(const reader *r, daft_mtl *out)
     daft_vec3 base = out->diffuse;
     color(r, AI_MATKEY_BASE_COLOR, &base);
     out->diffuse = out->ambient = base;
-    if (!has_metal && !has_rough) return;
-    metal = metal < 0 ? 0 : metal > 1 ? 1 : metal, rough = rough < 0.1f ? 0.1f : rough > 1 ? 1 : rough;
-    const float dielectric = 0.04f * (1 - metal), fourth = rough * rough * rough * rough;
-    out->specular = daft_v3(dielectric + metal * base.x, dielectric + metal * base.y, dielectric + metal * base.z);
-    out->shininess = fminf(2 / fourth - 2, 1000);
-    out->roughness = rough;
-    const bool mapped = has_map(r, aiTextureType_BASE_COLOR) || has_map(r, aiTextureType_DIFFUSE) ||
-                        has_map(r, aiTextureType_METALNESS) || has_map(r, aiTextureType_UNKNOWN);
-    if (mapped) { /* maps say where it is metal, and they are not read: what mirrors is drawn as its colour */
-        out->diffuse = out->ambient = daft_scale(base, 1 - 0.5f * metal);
-    } else if (metal > 0) {
-        out->diffuse = out->ambient = daft_scale(base, 1 - metal);
-        out->illum = 3; /* mirrors its surroundings */
-    }
+    if (!has_metal && !has_rough) return false;
+    out->metallic = fminf(fmaxf(metal, 0), 1), out->roughness = fminf(fmaxf(rough, 0), 1);
+    return out->physical = true;
+}
+
+/* Of glTF: `opaque` overrules what colours and images say. */
+static void take_alpha(const reader *r, daft_mtl *out)
+{
+    struct aiString mode;
+    if (r->from->assimp->string(r->material, AI_MATKEY_GLTF_ALPHAMODE, &mode) != aiReturn_SUCCESS) return;
+    number(r, AI_MATKEY_GLTF_ALPHACUTOFF, &out->alpha_cutoff);
+    out->alpha_cutoff = fminf(fmaxf(out->alpha_cutoff, 0), 1);
+    out->alpha_mode = strcmp(mode.data, "MASK") == 0    ? DAFT_ALPHA_MASK
+                      : strcmp(mode.data, "BLEND") == 0 ? DAFT_ALPHA_BLEND
+                                                        : DAFT_ALPHA_OPAQUE;
+    if (out->alpha_mode == DAFT_ALPHA_OPAQUE) out->opacity = 1;
+}
+
+/* glTF has roughness in green and metal in blue of one image. */
+static bool take_physical_maps(const reader *r, daft_mtl *out)
+{
+    return take_map(r, aiTextureType_DIFFUSE_ROUGHNESS, DAFT_MTL_ROUGHNESS, out) &&
+           take_map(r, aiTextureType_METALNESS, DAFT_MTL_METALLIC, out);
 }
 
 static bool fill(const reader *r, uint32_t index, daft_mtl *out)
@@ -152,9 +161,12 @@ static bool fill(const reader *r, uint32_t index, daft_mtl *out)
     if (number(r, AI_MATKEY_SHININESS, &out->shininess)) out->shininess = fminf(fmaxf(out->shininess, 0), 1000);
     color(r, AI_MATKEY_COLOR_EMISSIVE, &out->emission);
     if (number(r, AI_MATKEY_OPACITY, &out->opacity)) out->opacity = fminf(fmaxf(out->opacity, 0), 1);
-    from_metal(r, out);
-    return take_map(r, aiTextureType_BASE_COLOR, out) &&
-           (out->diffuse_map[0] || take_map(r, aiTextureType_DIFFUSE, out));
+    const bool physical = from_metal(r, out);
+    take_alpha(r, out);
+    return take_map(r, aiTextureType_BASE_COLOR, DAFT_MTL_DIFFUSE, out) &&
+           (out->diffuse_map[0] || take_map(r, aiTextureType_DIFFUSE, DAFT_MTL_DIFFUSE, out)) &&
+           (!physical || take_physical_maps(r, out)) && take_map(r, aiTextureType_NORMALS, DAFT_MTL_NORMAL, out) &&
+           take_map(r, aiTextureType_EMISSIVE, DAFT_MTL_EMISSION, out);
 }
 
 bool daft_foreign_materials(const daft_foreign *from, daft_mtl_list *out)

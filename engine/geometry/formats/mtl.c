@@ -1,7 +1,7 @@
 /* MTL files: materials of the Phong kind. Errors, with line and column: a number that is none, is not finite, or is
  * missing; newmtl or a map without a name; a property before the first newmtl; an empty file. Values out of range are
- * cut with a warning. Statements that describe what the engine does not draw (roughness, bump maps, ...) are skipped
- * quietly, unknown ones with one warning each. Keywords are read whatever their case. */
+ * cut with a warning. Statements that describe what the engine does not draw (displacement, clear coats) are skipped,
+ * which a check tells, unknown ones with one warning each. Keywords are read whatever their case. */
 #include "geometry/mesh.h"
 #include "geometry/formats/text.h"
 
@@ -17,8 +17,8 @@ typedef struct reader {
     daft_error *error; /* of the line that is being read; NULL: nobody will be told */
     bool out_of_memory;
     daft_mtl_list *list;
-    daft_mtl *current;               /* NULL before the first newmtl, and after one that is left out */
-    bool has_ambient, has_d, has_tr; /* in the current material */
+    daft_mtl *current;                        /* NULL before the first newmtl, and after one that is left out */
+    bool has_ambient, has_d, has_tr, has_map; /* in the current material */
     float tr;
     const char *first_unknown;
     bool any_known;
@@ -33,13 +33,54 @@ daft_mtl daft_mtl_default(void)
                       .shininess = 32,
                       .index = 1,
                       .opacity = 1,
+                      .alpha_cutoff = 0.5f,
+                      .bump = 1,
+                      .scale = {1, 1},
+                      .diffuse_change = {.gain = 1},
                       .filter = {1, 1, 1},
                       .illum = 2};
 }
 
+void daft_mtl_drop(const daft_allocator *allocator, daft_mtl *mtl)
+{
+    for (int i = 0; mtl->maps && i < DAFT_MTL_MAPS; i++) daft_release(allocator, mtl->maps->map[i].bytes);
+    daft_release(allocator, mtl->maps);
+    daft_release(allocator, mtl->map_bytes);
+    mtl->maps = NULL, mtl->map_bytes = NULL;
+}
+
+static bool copy_bytes(const daft_allocator *allocator, uint8_t **bytes, size_t size)
+{
+    uint8_t *copy = *bytes ? daft_alloc(allocator, size ? size : 1, 1) : NULL;
+    const bool done = copy || !*bytes;
+    if (copy) memcpy(copy, *bytes, size);
+    *bytes = copy;
+    return done;
+}
+
+bool daft_mtl_copy(const daft_allocator *allocator, const daft_mtl *from, daft_mtl *out)
+{
+    *out = *from;
+    out->maps = NULL;
+    bool done = copy_bytes(allocator, &out->map_bytes, out->map_size);
+    if (!from->maps) return done;
+    out->maps = daft_alloc(allocator, 1, sizeof *out->maps);
+    if (!out->maps) return false;
+    *out->maps = *from->maps;
+    for (int i = 0; i < DAFT_MTL_MAPS; i++)
+        done = copy_bytes(allocator, &out->maps->map[i].bytes, out->maps->map[i].size) && done;
+    return done;
+}
+
+daft_mtl_map *daft_mtl_map_at(const daft_allocator *allocator, daft_mtl *mtl, daft_mtl_use use)
+{
+    if (!mtl->maps) mtl->maps = daft_alloc_zero(allocator, 1, sizeof *mtl->maps);
+    return mtl->maps ? &mtl->maps->map[use] : NULL;
+}
+
 void daft_mtl_list_free(const daft_allocator *allocator, daft_mtl_list *list)
 {
-    for (size_t i = 0; i < list->count; i++) daft_release(allocator, list->items[i].map_bytes);
+    for (size_t i = 0; i < list->count; i++) daft_mtl_drop(allocator, &list->items[i]);
     daft_release(allocator, list->items);
     *list = (daft_mtl_list){0};
 }
@@ -210,6 +251,16 @@ static bool read_pr(reader *r, const char *word, const char *p)
     float value;
     if (!read_last_number(r, word, p, &value)) return false;
     r->current->roughness = clamp(r, word, value, 0, 1);
+    r->current->has_roughness = true;
+    return true;
+}
+
+static bool read_pm(reader *r, const char *word, const char *p)
+{
+    float value;
+    if (!read_last_number(r, word, p, &value)) return false;
+    r->current->metallic = clamp(r, word, value, 0, 1);
+    r->current->physical = true;
     return true;
 }
 
@@ -223,18 +274,47 @@ static bool read_illum(reader *r, const char *word, const char *p)
 
 /* ---- maps ---- */
 
+typedef enum option_kind {
+    OPTION_IGNORED,
+    OPTION_CLAMP,
+    OPTION_CHANNEL,
+    OPTION_BUMP,
+    OPTION_RESOLUTION,
+    OPTION_RANGE,
+    OPTION_OFFSET,
+    OPTION_SCALE
+} option_kind;
+
 typedef struct map_option {
     const char *name;
     int least, most; /* numbers; 0, 0: one word */
-    bool changes_picture;
+    option_kind kind;
 } map_option;
 
 static const map_option map_options[] = {
-    {"-blendu", 0, 0, false},  {"-blendv", 0, 0, false}, {"-cc", 0, 0, false},         {"-clamp", 0, 0, false},
-    {"-imfchan", 0, 0, false}, {"-type", 0, 0, false},   {"-colorspace", 0, 0, false}, {"-boost", 1, 1, false},
-    {"-bm", 1, 1, false},      {"-texres", 1, 1, false}, {"-mm", 1, 2, true},          {"-o", 1, 3, true},
-    {"-s", 1, 3, true},        {"-t", 1, 3, true},
+    {"-blendu", 0, 0, OPTION_IGNORED},
+    {"-blendv", 0, 0, OPTION_IGNORED},
+    {"-cc", 0, 0, OPTION_IGNORED},
+    {"-clamp", 0, 0, OPTION_CLAMP},
+    {"-imfchan", 0, 0, OPTION_CHANNEL},
+    {"-type", 0, 0, OPTION_IGNORED},
+    {"-colorspace", 0, 0, OPTION_IGNORED},
+    {"-boost", 1, 1, OPTION_IGNORED},
+    {"-bm", 1, 1, OPTION_BUMP},
+    {"-texres", 1, 1, OPTION_RESOLUTION},
+    {"-mm", 1, 2, OPTION_RANGE},
+    {"-o", 1, 3, OPTION_OFFSET},
+    {"-s", 1, 3, OPTION_SCALE},
+    {"-t", 1, 3, OPTION_IGNORED},
 };
+
+/* What a map's options say. */
+typedef struct map_settings {
+    daft_mtl_change change;
+    daft_vec2 scale, offset;
+    float bump;
+    bool places, clamps; /* it has -s, -o or -clamp on */
+} map_settings;
 
 static const map_option *find_option(const char *at, size_t length)
 {
@@ -243,22 +323,47 @@ static const map_option *find_option(const char *at, size_t length)
     return NULL;
 }
 
-/* Skips up to `most` numbers; returns how many there were. The first token that is none may be the file's name. */
-static int skip_numbers(const reader *r, const char **cursor, int most)
+/* Reads up to `most` numbers; returns how many there were. The first token that is none may be the file's name. */
+static int read_numbers(const reader *r, const char **cursor, int most, double out[3])
 {
     int count = 0;
-    double ignored;
     while (count < most) {
         const char *p = *cursor;
-        if (!daft_scan_number(&p, r->text.end, &ignored) || !daft_token_ends(&r->text, p)) break;
+        if (!daft_scan_number(&p, r->text.end, &out[count]) || !daft_token_ends(&r->text, p)) break;
         *cursor = daft_skip_blanks(p);
         count++;
     }
     return count;
 }
 
-/* Skips options from *cursor on. Returns false, with *cursor at the place, where one lacks its argument. */
-static bool skip_options(reader *r, const char **cursor, bool quiet, bool *changes_picture)
+static float finite_or(double value, float other) { return isfinite((float)value) ? (float)value : other; }
+
+/* Missing numbers of -s are 1, of -o 0; the third is for solid textures. */
+static void apply_option(option_kind kind, const double n[3], int count, const char *word, map_settings *out)
+{
+    switch (kind) {
+    case OPTION_CLAMP: out->clamps = out->places = daft_word_is(word, 2, "on"); break;
+    case OPTION_CHANNEL: out->change.channel = strchr("rgbmlz", *word) ? *word : 0; break;
+    case OPTION_BUMP: out->bump = finite_or(n[0], 1); break;
+    case OPTION_RESOLUTION: out->change.most = n[0] >= 1 && n[0] <= 16384 ? (int)n[0] : 0; break;
+    case OPTION_RANGE:
+        out->change.base = finite_or(n[0], 0);
+        if (count > 1) out->change.gain = finite_or(n[1], 1);
+        break;
+    case OPTION_OFFSET:
+        out->offset = (daft_vec2){finite_or(n[0], 0), count > 1 ? finite_or(n[1], 0) : 0};
+        out->places = true;
+        break;
+    case OPTION_SCALE:
+        out->scale = (daft_vec2){finite_or(n[0], 1), count > 1 ? finite_or(n[1], 1) : 1};
+        out->places = true;
+        break;
+    case OPTION_IGNORED: break;
+    }
+}
+
+/* Reads options from *cursor on. Returns false, with *cursor at the place, where one lacks its argument. */
+static bool read_options(reader *r, const char **cursor, bool quiet, map_settings *out)
 {
     while (**cursor == '-' && !daft_token_ends(&r->text, *cursor + 1)) {
         const char *start = *cursor, *p = daft_skip_token(&r->text, start);
@@ -266,28 +371,31 @@ static bool skip_options(reader *r, const char **cursor, bool quiet, bool *chang
         if (!option && quiet) return true;
         if (!option) daft_text_warn_unknown(&r->text, start, (size_t)(p - start), "map option");
         p = daft_skip_blanks(p);
-        int numbers = skip_numbers(r, &p, option ? option->most : 3);
+        double numbers[3] = {0, 0, 0};
+        const char *first = p;
+        int count = read_numbers(r, &p, option ? option->most : 3, numbers);
         bool word = option && option->most == 0;
-        if ((option && numbers < option->least) || (word && daft_at_end(&r->text, p))) {
+        if ((option && count < option->least) || (word && daft_at_end(&r->text, p))) {
             *cursor = p;
             return false;
         }
         if (word) p = daft_skip_blanks(daft_skip_token(&r->text, p));
-        if (option && option->changes_picture) *changes_picture = true;
+        if (option) apply_option(option->kind, numbers, count, first, out);
         *cursor = p;
     }
     return true;
 }
 
 /* Some write options behind the name: it ends before a blank and options that fill the rest of the line. */
-static size_t name_length(reader *r, const char *name, size_t length)
+static size_t name_length(reader *r, const char *name, size_t length, map_settings *settings)
 {
-    bool ignored;
     if (length > 4096) return length; /* too long for a name anyway, and the search below is quadratic */
     for (size_t i = 1; i + 1 < length; i++) {
         const char *p = name + i + 1;
         if (!daft_is_blank(name[i]) || *p != '-') continue;
-        if (skip_options(r, &p, true, &ignored) && p >= name + length) {
+        map_settings behind = *settings;
+        if (read_options(r, &p, true, &behind) && p >= name + length) {
+            *settings = behind;
             while (i > 0 && daft_is_blank(name[i - 1])) i--;
             return i;
         }
@@ -317,22 +425,98 @@ static bool resolve_map(const reader *r, const char *name, char *out, size_t siz
     return true;
 }
 
-static bool read_map_kd(reader *r, const char *word, const char *p)
+/* The options and the file of a map. */
+static bool read_map(reader *r, const char *word, const char *p, map_settings *settings, daft_mtl_map *out)
 {
-    bool changes_picture = false;
-    if (!skip_options(r, &p, false, &changes_picture))
+    *settings = (map_settings){.change = {.gain = 1}, .scale = {1, 1}, .bump = 1};
+    if (!read_options(r, &p, false, settings))
         return daft_text_fail(&r->text, p, r->error, "the map option before this lacks its value");
     size_t length;
     const char *at = daft_rest_of_line(&r->text, p, &length);
     if (length == 0) return daft_text_fail(&r->text, word, r->error, "the map has no file name");
-    length = name_length(r, at, length);
-    char name[sizeof r->current->diffuse_map], path[sizeof name];
+    length = name_length(r, at, length, settings);
+    char name[sizeof out->path], path[sizeof name];
     if (!copy_name(at, length, name, sizeof name) || !resolve_map(r, name, path, sizeof path))
         return daft_text_fail(&r->text, at, r->error, "'%s' cannot be a file name", daft_text_quote(at, length).text);
-    if (changes_picture) daft_text_warn(&r->text, word, "the map's offset, scale or gain is not used");
-    memcpy(r->current->diffuse_map, path, sizeof path);
-    daft_text_place(&r->text, at, &r->current->diffuse_map_line, &r->current->diffuse_map_column);
+    memcpy(out->path, path, sizeof path);
+    out->change = settings->change;
+    daft_text_place(&r->text, at, &out->line, &out->column);
     return true;
+}
+
+/* A material's maps lie in one place: that of map_Kd or, without one, of the first. */
+static void place_maps(reader *r, const char *word, const map_settings *s, bool first)
+{
+    daft_mtl *m = r->current;
+    const uint32_t wrap = s->clamps ? DAFT_WRAP_CLAMP : DAFT_WRAP_REPEAT;
+    const bool same = m->scale.x == s->scale.x && m->scale.y == s->scale.y && m->offset.x == s->offset.x &&
+                      m->offset.y == s->offset.y && m->wrap == wrap;
+    if (same) return;
+    if (first || !r->has_map) {
+        m->scale = s->scale, m->offset = s->offset, m->wrap = wrap;
+        return;
+    }
+    if (s->places) daft_text_warn(&r->text, word, "all maps of a material lie as its map_Kd or its first does");
+}
+
+static bool read_map_kd(reader *r, const char *word, const char *p)
+{
+    map_settings settings;
+    daft_mtl_map map = {0};
+    if (!read_map(r, word, p, &settings, &map)) return false;
+    memcpy(r->current->diffuse_map, map.path, sizeof map.path);
+    r->current->diffuse_map_line = map.line, r->current->diffuse_map_column = map.column;
+    r->current->diffuse_change = map.change;
+    place_maps(r, word, &settings, true);
+    return r->has_map = true;
+}
+
+/* The keywords of the other maps. */
+static const struct {
+    const char *word;
+    daft_mtl_use use;
+} other_maps[] = {
+    {"map_Ka", DAFT_MTL_AMBIENT},   {"map_Ks", DAFT_MTL_SPECULAR},  {"map_Ke", DAFT_MTL_EMISSION},
+    {"map_Ns", DAFT_MTL_SHININESS}, {"map_d", DAFT_MTL_ALPHA},      {"map_Bump", DAFT_MTL_BUMP},
+    {"bump", DAFT_MTL_BUMP},        {"norm", DAFT_MTL_NORMAL},      {"map_norm", DAFT_MTL_NORMAL},
+    {"map_Kn", DAFT_MTL_NORMAL},    {"map_Pr", DAFT_MTL_ROUGHNESS}, {"map_Pm", DAFT_MTL_METALLIC},
+};
+
+static bool is_word(const char *word, size_t length, const char *keyword)
+{
+    return strlen(keyword) == length && strncasecmp(keyword, word, length) == 0;
+}
+
+/* A map without its factor is all of it. */
+static void complete_factor(reader *r, daft_mtl_use use)
+{
+    daft_mtl *m = r->current;
+    if (use == DAFT_MTL_SPECULAR && m->specular.x + m->specular.y + m->specular.z == 0) m->specular = daft_v3(1, 1, 1);
+    if (use == DAFT_MTL_EMISSION && m->emission.x + m->emission.y + m->emission.z == 0) m->emission = daft_v3(1, 1, 1);
+    if (use == DAFT_MTL_ROUGHNESS && m->roughness == 0) m->roughness = 1;
+    if (use == DAFT_MTL_METALLIC && m->metallic == 0) m->metallic = 1;
+    m->physical |= use == DAFT_MTL_ROUGHNESS || use == DAFT_MTL_METALLIC;
+    if (use == DAFT_MTL_ALPHA) m->alpha_mode = DAFT_ALPHA_MASK;
+}
+
+static bool read_other_map(reader *r, const char *word, const char *p)
+{
+    const size_t length = (size_t)(daft_skip_token(&r->text, word) - word);
+    size_t k = 0;
+    while (!is_word(word, length, other_maps[k].word)) k++;
+    map_settings settings;
+    daft_mtl_map map = {0};
+    if (!read_map(r, word, p, &settings, &map)) return false;
+    daft_mtl_map *at = daft_mtl_map_at(r->allocator, r->current, other_maps[k].use);
+    if (!at) {
+        r->out_of_memory = true;
+        return false;
+    }
+    *at = map;
+    if (other_maps[k].use == DAFT_MTL_BUMP) r->current->bump = settings.bump;
+    place_maps(r, word, &settings, false);
+    complete_factor(r, other_maps[k].use);
+    return r->has_map = true;
 }
 
 /* ---- statements ---- */
@@ -356,7 +540,7 @@ static bool read_newmtl(reader *r, const char *word, const char *p)
     }
     list->items[list->count] = material;
     r->current = &list->items[list->count++];
-    r->has_ambient = r->has_d = r->has_tr = false;
+    r->has_ambient = r->has_d = r->has_tr = r->has_map = false;
     return true;
 }
 
@@ -366,21 +550,14 @@ static const struct {
 } statements[] = {
     {"newmtl", read_newmtl}, {"Ka", read_ka},         {"Kd", read_kd},       {"Ks", read_ks}, {"Ke", read_ke},
     {"Kt", read_tf},         {"Tf", read_tf},         {"Ns", read_ns},       {"Ni", read_ni}, {"d", read_d},
-    {"Tr", read_tr},         {"map_Kd", read_map_kd}, {"illum", read_illum}, {"Pr", read_pr},
+    {"Tr", read_tr},         {"map_Kd", read_map_kd}, {"illum", read_illum}, {"Pr", read_pr}, {"Pm", read_pm},
 };
 
-/* Known and not used. */
+/* Known and not drawn. */
 static const char *const quiet_statements[] = {
-    "map_Ka",  "map_Ks",   "map_Ke", "map_Ns",  "map_d",     "map_Tr",  "map_bump", "bump",
-    "disp",    "map_disp", "decal",  "refl",    "map_refl",  "norm",    "map_norm", "map_Kn",
-    "map_aat", "Pm",       "Ps",     "Pc",      "Pcr",       "aniso",   "anisor",   "map_Pr",
-    "map_Pm",  "map_Ps",   "map_Pc", "map_Pcr", "map_aniso", "map_RMA", "map_ORM",  "sharpness",
+    "map_Tr", "disp",   "map_disp", "decal",  "refl",    "map_refl",  "map_aat", "Ps",      "Pc",        "Pcr",
+    "aniso",  "anisor", "map_Ps",   "map_Pc", "map_Pcr", "map_aniso", "map_RMA", "map_ORM", "sharpness",
 };
-
-static bool is_word(const char *word, size_t length, const char *keyword)
-{
-    return strlen(keyword) == length && strncasecmp(keyword, word, length) == 0;
-}
 
 static bool is_skipped_quietly(const char *word, size_t length)
 {
@@ -402,8 +579,16 @@ static bool read_statement(reader *r, const char **cursor)
                                   daft_text_quote(word, length).text);
         return statements[i].read(r, word, daft_skip_blanks(p));
     }
+    for (size_t i = 0; i < DAFT_COUNT_OF(other_maps); i++) {
+        if (!is_word(word, length, other_maps[i].word)) continue;
+        if (!r->current)
+            return daft_text_fail(&r->text, word, r->error, "'%s' before the first newmtl",
+                                  daft_text_quote(word, length).text);
+        return read_other_map(r, word, daft_skip_blanks(p));
+    }
     if (is_skipped_quietly(word, length)) {
         r->any_known = true;
+        if (r->text.log && r->text.log->checks) daft_text_warn_not_drawn(&r->text, word, length);
         return true;
     }
     if (!r->first_unknown) r->first_unknown = word;

@@ -10,9 +10,9 @@
  * beyond the array. Index 0 and an empty place mean "none" and are quiet warning   a material file that is not there, a
  * material that no file defines, an unknown statement, a file without faces
  *
- * At most ten warnings of a file are told, then how many more there were. `v` may carry w or a colour, which are not
- * used; `o g l p vw vp mg` and display hints are skipped. `s` and `usemtl` hold until the next of their kind. Faces may
- * refer to positions that come later in the file. */
+ * At most ten warnings of a file are told, then how many more there were. `v` may carry w, which is not used, or a
+ * colour, sRGB from 0 to 1; `o g l p vw vp mg` and display hints are skipped. `s` and `usemtl` hold until the next of
+ * their kind. Faces may refer to positions that come later in the file. */
 #include "geometry/formats/obj.h"
 
 #include "geometry/rig.h"
@@ -26,6 +26,7 @@ void daft_obj_source_free(daft_obj_source *source)
     daft_release(allocator, source->z);
     daft_release(allocator, source->normals);
     daft_release(allocator, source->uvs);
+    daft_release(allocator, source->colors);
     daft_release(allocator, source->corner_positions);
     daft_release(allocator, source->corner_uvs);
     daft_release(allocator, source->corner_normals);

@@ -232,6 +232,17 @@ static void take_faces(builder *b)
     for (uint32_t i = 0; s->face_of && i < mesh->triangle_count; i++) s->face_of[i] = i;
 }
 
+static bool take_colors(builder *b)
+{
+    daft_obj_source *s = b->source;
+    if (!s->colors) return true;
+    if (!daft_grow(s->allocator, &s->colors, &s->color_room, s->position_count, s->color_count, sizeof *s->colors))
+        return daft_fail_memory(b->error, "a mesh's colours");
+    while (s->color_count < s->position_count) s->colors[s->color_count++] = daft_v3(1, 1, 1);
+    b->mesh->colors = take(s, &s->colors, s->color_room, s->position_count, sizeof *s->colors);
+    return true;
+}
+
 /* x, y, z with zeros behind them, and in place of what is not finite: no triangle uses that. */
 static bool take_positions(builder *b)
 {
@@ -250,7 +261,7 @@ static bool take_positions(builder *b)
         if (!daft_finite3(daft_obj_position(s, i))) s->x[i] = s->y[i] = s->z[i] = 0;
     for (int k = 0; k < 3; k++) *to[k] = take(s, from[k], s->position_room, padded, sizeof(float));
     mesh->vertex_count = (uint32_t)count;
-    return true;
+    return take_colors(b);
 }
 
 /* ---- uvs and normals ---- */

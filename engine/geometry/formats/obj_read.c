@@ -2,6 +2,8 @@
  * never from a number in the file. The rules are in obj.c. */
 #include "geometry/formats/obj.h"
 
+#include "math/trig.h"
+
 typedef struct reader {
     daft_obj_source *source;
     daft_error *error;
@@ -90,13 +92,35 @@ static bool read_rest(reader *r, const char **cursor, const char *keyword, int *
     return true;
 }
 
-/* A weight (4 numbers) and a colour (6 or 7) are known and not used. */
+/* Colours up to that of the next position; positions without one are white. */
+static bool fill_colors(const reader *r, size_t count)
+{
+    daft_obj_source *s = r->source;
+    if (!grow(r, &s->colors, &s->color_room, count, s->color_count, sizeof *s->colors)) return false;
+    while (s->color_count < count) s->colors[s->color_count++] = daft_v3(1, 1, 1);
+    return true;
+}
+
+/* Of sRGB (IEC 61966-2-1), as pictures are. */
+static float color_of(double encoded)
+{
+    if (!(encoded > 0)) return 0; /* nor is a NaN */
+    if (encoded >= 1) return 1;
+    return (float)(encoded <= 0.04045 ? encoded / 12.92 : daft_pow((encoded + 0.055) / 1.055, 2.4));
+}
+
+/* A weight (4 numbers), which is not used, or a colour (6 or, with an alpha that is not used, 7). */
 static bool read_position_rest(reader *r, const char *start, const char **cursor)
 {
-    int more;
-    if (!read_rest(r, cursor, "v", &more)) return false;
-    if (more != 1 && more != 3 && more != 4)
-        daft_text_warn(&r->source->text, start, "'v' has %d numbers, of which the first 3 are used", 3 + more);
+    double more[4] = {0, 0, 0, 0}, ignored;
+    int count = 0;
+    for (; !daft_at_end(&r->source->text, *cursor); count++)
+        if (!read_number(r, cursor, "v", count < 4 ? &more[count] : &ignored)) return false;
+    if (count != 1 && count != 3 && count != 4)
+        daft_text_warn(&r->source->text, start, "'v' has %d numbers, of which the first 3 are used", 3 + count);
+    if (count != 3 && count != 4) return true;
+    if (!fill_colors(r, r->source->position_count + 1)) return false;
+    r->source->colors[r->source->position_count] = daft_v3(color_of(more[0]), color_of(more[1]), color_of(more[2]));
     return true;
 }
 

@@ -34,13 +34,18 @@ static bool to_path(const char *name, size_t length, char *path, size_t size)
     return used > 0;
 }
 
-/* Beside the OBJ; failing that, its last part beside the OBJ, for paths of the machine that wrote the file. */
+/* Beside the OBJ; failing that, in the asset roots; failing that, its last part beside the OBJ, for paths of the
+ * machine that wrote the file. */
 static bool find_file(const slots *s, const char *name, size_t length, char *path, size_t size)
 {
     char relative[1024];
     if (!to_path(name, length, relative, sizeof relative)) return false;
     if (daft_path_beside(s->source->text.path, relative, path, size) && daft_file_exists(s->source->files, path))
         return true;
+    if (s->source->files && strlen(relative) < size && daft_file_exists(s->source->files, relative)) {
+        memcpy(path, relative, strlen(relative) + 1);
+        return true;
+    }
     const char *slash = strrchr(relative, '/');
     return slash && slash[1] && daft_path_beside(s->source->text.path, slash + 1, path, size) &&
            daft_file_exists(s->source->files, path);
@@ -89,8 +94,8 @@ static bool load_library(slots *s, const daft_obj_name *library)
         for (p = last; p < end && (daft_is_blank(*p) || daft_is_break(*p) || is_joint(p, end));) p++;
     }
     if (s->missing[0])
-        daft_text_warn(&s->source->text, library->at, "no such material file: %s (looked beside the OBJ file)",
-                       s->missing);
+        daft_text_warn(&s->source->text, library->at, "no such material file: %s (looked beside the OBJ file%s)",
+                       s->missing, s->source->files ? " and in the asset roots" : "");
     return true;
 }
 
@@ -158,7 +163,10 @@ static bool fill(slots *s, daft_mtl_list *out)
     for (size_t i = 0; i < count; i++) {
         const daft_obj_name *name = i < source->slot_count ? &source->slots[i] : NULL;
         uint32_t found = name && name->length ? *find_bucket(s, name->at, name->length) : 0;
-        out->items[out->count++] = found ? s->materials.items[found - 1] : daft_mtl_default();
+        const daft_mtl none = daft_mtl_default();
+        if (!daft_mtl_copy(source->allocator, found ? &s->materials.items[found - 1] : &none,
+                           &out->items[out->count++]))
+            return daft_fail_memory(s->error, "a mesh's materials");
         if (found || !name || !name->length) continue;
         if (!first_undefined) first_undefined = name;
         undefined++;

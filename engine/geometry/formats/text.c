@@ -70,15 +70,27 @@ void daft_text_lose(daft_text *text, const daft_error *why)
     daft_warn_at(text->log, why->code, why->file, why->line, why->column, "%s: the line is left out", why->message);
 }
 
-void daft_text_warn_unknown(daft_text *text, const char *at, size_t length, const char *what)
+static bool is_first(daft_text *text, const char *at, size_t length)
 {
     for (unsigned i = 0; i < text->keyword_count; i++)
-        if (text->keywords[i].length == length && memcmp(text->keywords[i].at, at, length) == 0) return;
+        if (text->keywords[i].length == length && memcmp(text->keywords[i].at, at, length) == 0) return false;
     if (text->keyword_count < DAFT_TEXT_KEYWORDS) {
         text->keywords[text->keyword_count].at = at;
         text->keywords[text->keyword_count++].length = length;
     }
-    daft_text_warn(text, at, "unknown %s '%s' is skipped", what, daft_text_quote(at, length).text);
+    return true;
+}
+
+void daft_text_warn_unknown(daft_text *text, const char *at, size_t length, const char *what)
+{
+    if (is_first(text, at, length))
+        daft_text_warn(text, at, "unknown %s '%s' is skipped", what, daft_text_quote(at, length).text);
+}
+
+void daft_text_warn_not_drawn(daft_text *text, const char *at, size_t length)
+{
+    if (is_first(text, at, length))
+        daft_text_warn(text, at, "'%s' is known, but not drawn", daft_text_quote(at, length).text);
 }
 
 void daft_text_close(daft_text *text)

@@ -45,6 +45,8 @@ bool daft_text_is_told(const daft_text *text);
 void daft_text_lose(daft_text *text, const daft_error *why);
 /* A warning for a keyword or option that nothing is known of, once for each. */
 void daft_text_warn_unknown(daft_text *text, const char *at, size_t length, const char *what);
+/* The same for one that is known. */
+void daft_text_warn_not_drawn(daft_text *text, const char *at, size_t length);
 /* Tells how many warnings were swallowed. For files that were read to the end. */
 void daft_text_close(daft_text *text);
 daft_quoted daft_text_quote(const char *at, size_t length);

@@ -15,7 +15,8 @@ void daft_gloss_begin(const tile_job *j, const daft_batch *points)
     memset(g->rays, 0, sizeof g->rays);
     for (uint32_t i = 0; i < points->count; i++) {
         const uint32_t pixel = points->pixel[i];
-        const float alpha = j->snapshot->materials[points->material[i]].alpha;
+        const float alpha = points->traits & DAFT_TRAIT_VARIES ? points->varying->alpha[i]
+                                                               : j->snapshot->materials[points->material[i]].alpha;
         if (!(alpha > 0)) continue;
         g->rough[pixel / 32] |= 1u << (pixel % 32);
         g->alpha[pixel] = alpha, g->distance[pixel] = points->distance[i];

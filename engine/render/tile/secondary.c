@@ -81,6 +81,7 @@ void daft_tile_spawn(tile_job *j, const daft_batch *points, int depth, uint32_t 
     const daft_plan *plan = &j->frame->plan;
     const uint32_t columns = daft_tile_columns(j->snapshot);
     const daft_spawning allowed = {.mirrors = plan->reflects && depth < plan->quality->mirror_depth,
+                                   .refracts = depth < plan->quality->refraction_depth,
                                    .min = plan->quality->min_weight,
                                    .rough = plan->glossy,
                                    .ray = depth ? 0 : ray,
@@ -91,7 +92,7 @@ void daft_tile_spawn(tile_job *j, const daft_batch *points, int depth, uint32_t 
                                    .salt = 977u * (uint32_t)(depth + 1) + (depth ? 131u * ray : 0),
                                    .place = j->refines ? j->s->wanted : NULL,
                                    .turns = j->r->turns};
-    bool refracts = j->frame->plan.refracts && depth < plan->quality->refraction_depth;
+    bool refracts = j->frame->plan.refracts && depth < plan->through_depth;
     j->s->rays.count = 0;
     if (!(points->traits & DAFT_TRAIT_SENDS)) return;
     if (plan->reflects && !allowed.mirrors) end_mirrors(j, points, &allowed);
@@ -102,7 +103,7 @@ void daft_tile_spawn(tile_job *j, const daft_batch *points, int depth, uint32_t 
 int daft_tile_deepest_waiting(const tile_job *j, int depth)
 {
     if (!j->frame->plan.refracts) return -1;
-    depth = daft_min_i(depth, j->frame->plan.quality->refraction_depth - 1);
+    depth = daft_min_i(depth, j->frame->plan.through_depth - 1);
     while (depth >= 0 && j->s->refracted[depth].count == 0) depth--;
     return depth;
 }

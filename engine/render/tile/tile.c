@@ -76,17 +76,31 @@ static bool may_reach(const daft_light_source *light, const surroundings *w)
     return !(across * cosine - along * sine > slack); /* a NaN may reach */
 }
 
-/* `seen`: by pixels themselves, the sampled light of which may be filtered. */
-static void light_points(tile_job *j, daft_batch *points, bool seen)
+/* What the points, `depth` surfaces away, have of their textures and maps. */
+static void read_maps(tile_job *j, daft_batch *points, int depth)
 {
     const daft_snapshot *snapshot = j->snapshot;
+    const daft_plan *plan = &j->frame->plan;
+    const bool textured = points->traits & (DAFT_TRAIT_TEXTURE | DAFT_TRAIT_MAPS);
+    const daft_vary_def def = {.mirrors = plan->reflects && depth < plan->quality->mirror_depth,
+                               .lets_through = plan->refracts && depth < plan->through_depth,
+                               .least_mirror = 0.02f};
+    if (points->traits & DAFT_TRAIT_TEXTURE)
+        j->r->shade->albedo(points, snapshot->materials, snapshot->textures, snapshot->quality.texture_filter);
+    if (points->traits & DAFT_TRAIT_VARIES)
+        j->r->shade->vary(points, snapshot->materials, snapshot->textures, snapshot->quality.texture_filter, &def);
+    if (textured) ran(j, DAFT_EFFECT_TEXTURE);
+    book(j, textured ? DAFT_EFFECT_TEXTURE : DAFT_EFFECT_SURFACE);
+}
+
+/* Points `depth` surfaces away: those of 0 are seen by pixels themselves, and their sampled light may be filtered. */
+static void light_points(tile_job *j, daft_batch *points, int depth)
+{
+    const daft_snapshot *snapshot = j->snapshot;
+    const bool seen = depth == 0;
     const daft_vec3 *first = &snapshot->ambient;
     if (j->s->sampled) j->s->sampled->some = false;
-    if (points->traits & DAFT_TRAIT_TEXTURE) {
-        j->r->shade->albedo(points, snapshot->materials, snapshot->textures, snapshot->quality.texture_filter);
-        ran(j, DAFT_EFFECT_TEXTURE);
-        book(j, DAFT_EFFECT_TEXTURE);
-    }
+    if (points->traits & (DAFT_TRAIT_TEXTURE | DAFT_TRAIT_VARIES)) read_maps(j, points, depth);
     if (j->frame->plan.occlusion && points->count) daft_tile_occlusion(j, points), first = NULL;
     const surroundings around = where(j, points);
     daft_redraw_points(j, points, seen);
@@ -134,7 +148,7 @@ static void shade_visible(tile_job *j)
     const daft_shade_kernels *kernels = j->r->shade;
     daft_batch *points = &s->points;
     const daft_ray_batch *sky = &s->sky;
-    if (points->count) light_points(j, points, true);
+    if (points->count) light_points(j, points, 0);
     daft_tile_aov_albedo(j);
     if (!j->refines && sky->count == 0 && s->tile.width == DAFT_TILE && !(points->traits & DAFT_TRAIT_SENDS)) {
         j->color = &points->light;
@@ -159,7 +173,7 @@ static void follow(tile_job *j, uint32_t ray, uint32_t rays)
     daft_gloss *gloss = j->refines ? NULL : s->gloss;
     for (int depth = 0;; depth++) {
         if (depth && points->count) {
-            light_points(j, points, false);
+            light_points(j, points, depth);
             j->r->shade->scatter_add(&s->color, points->pixel, points->count, &points->weight, &points->light);
         }
         daft_tile_spawn(j, points, depth, ray, rays);

@@ -19,7 +19,9 @@ static bool rays_go_anywhere(const daft_scene *scene, const daft_view *view)
     if (view->quality.mirror_depth == 0 && view->quality.refraction_depth == 0) return false;
     for (uint32_t i = 0; i < scene->assets.material_slots.count; i++) {
         const daft_surface *s = &scene->assets.surfaces[i];
-        if (s->mirror.x > 0 || s->mirror.y > 0 || s->mirror.z > 0 || s->transmission > 0) return true;
+        if (s->mirror.x > 0 || s->mirror.y > 0 || s->mirror.z > 0 || s->transmission > 0 ||
+            s->traits & DAFT_TRAIT_BLEND)
+            return true;
     }
     return false;
 }

@@ -2,6 +2,7 @@
  * freeing. */
 #include "scene/scene.h"
 
+#include <stdio.h>
 #include <string.h>
 
 uint64_t daft_path_hash(const char *path) { return daft_hash(path, strlen(path), 0); }
@@ -376,17 +377,18 @@ static uint32_t texture_cached(const daft_scene *scene, const char *path, uint64
 }
 
 /* Takes the data, also on failure. */
-static daft_texture texture_add(daft_scene *scene, const char *path, daft_texture_data *data, daft_error *error)
+static daft_texture texture_add(daft_scene *scene, const char *key, const char *path, daft_texture_data *data,
+                                daft_error *error)
 {
     daft_assets *assets = &scene->assets;
     const bool room = texture_reserve(scene, error) && daft_scene_note_file(scene, path, error);
-    char *copy = room ? daft_copy_string(scene->allocator, path) : NULL;
+    char *copy = room ? daft_copy_string(scene->allocator, key) : NULL;
     if (!copy) {
         daft_fail_memory(error, "a texture's path");
         daft_texture_free(scene->allocator, data);
         return (daft_texture){0};
     }
-    uint64_t hash = daft_path_hash(path);
+    uint64_t hash = daft_path_hash(key);
     daft_texture texture = {daft_asset_add(scene, &assets->texture_slots, assets->texture_states)};
     uint32_t index = daft_asset_index(texture.id);
     assets->textures[index] = *data;
@@ -426,6 +428,7 @@ static daft_texture replace_texture(daft_scene *scene, uint32_t texture, daft_te
     old->data = *place;
     *place = *data;
     scene->looks = ++scene->engine->revision;
+    daft_material_refresh(scene, texture);
     daft_scene_touch(scene);
     daft_retire(scene, &old->retired, free_retired_texture);
     return (daft_texture){texture};
@@ -440,35 +443,76 @@ daft_texture daft_texture_load(daft_scene *scene, const char *path, daft_error *
     daft_texture_data data = {0};
     if ((!cached || missing) && !daft_texture_read(scene->allocator, scene->engine->files, path, &data, error))
         return (daft_texture){0};
-    if (!cached) return texture_add(scene, path, &data, error);
+    if (!cached) return texture_add(scene, path, path, &data, error);
     /* a material has asked for it before it was there: the checker gives way */
     if (missing && !replace_texture(scene, cached, &data, error).id) return (daft_texture){0};
     scene->assets.texture_states[daft_asset_index(cached)].holds++;
     return (daft_texture){cached};
 }
 
-daft_texture daft_texture_of_map(daft_scene *scene, const daft_mtl *mtl, daft_error *error)
+/* A map of a material: what it is, and its name in the cache, where a changed image has another than its file. */
+typedef struct map_source {
+    const char *path;
+    const uint8_t *bytes;
+    size_t size;
+    int line, column;
+    daft_texture_change change;
+    char key[1100];
+} map_source;
+
+static daft_texture_change change_of(const daft_mtl_change *c)
 {
-    uint32_t cached = texture_cached(scene, mtl->diffuse_map, daft_path_hash(mtl->diffuse_map));
+    return (daft_texture_change){c->channel, c->base, c->gain, c->most};
+}
+
+static void find_map(const daft_mtl *mtl, daft_mtl_use use, map_source *out)
+{
+    if (use == DAFT_MTL_DIFFUSE) {
+        *out = (map_source){.path = mtl->diffuse_map, .bytes = mtl->map_bytes, .size = mtl->map_size};
+        out->line = mtl->diffuse_map_line, out->column = mtl->diffuse_map_column,
+        out->change = change_of(&mtl->diffuse_change);
+    } else {
+        const daft_mtl_map *map = &mtl->maps->map[use];
+        *out = (map_source){.path = map->path, .bytes = map->bytes, .size = map->size};
+        out->line = map->line, out->column = map->column, out->change = change_of(&map->change);
+    }
+    const daft_texture_change *c = &out->change;
+    if (daft_texture_is_changed(c))
+        snprintf(out->key, sizeof out->key, "%.1000s|%c %g %g %d", out->path, c->channel ? c->channel : '-',
+                 (double)c->base, (double)c->gain, c->most);
+    else
+        snprintf(out->key, sizeof out->key, "%.1023s", out->path);
+}
+
+static bool read_map(const daft_scene *scene, const map_source *map, daft_texture_data *out, daft_error *why)
+{
+    if (map->bytes) return daft_texture_decode(scene->allocator, map->bytes, map->size, map->path, out, why);
+    if (daft_texture_is_changed(&map->change))
+        return daft_texture_read_changed(scene->allocator, scene->engine->files, map->path, &map->change, out, why);
+    return daft_texture_read(scene->allocator, scene->engine->files, map->path, out, why);
+}
+
+daft_texture daft_texture_of_map(daft_scene *scene, const daft_mtl *mtl, daft_mtl_use use, daft_error *error)
+{
+    map_source map;
+    find_map(mtl, use, &map);
+    uint32_t cached = texture_cached(scene, map.key, daft_path_hash(map.key));
     if (cached) {
         scene->assets.texture_states[daft_asset_index(cached)].holds++;
         return (daft_texture){cached};
     }
     daft_texture_data data = {0};
     daft_error why = {0};
-    if (mtl->map_bytes
-            ? daft_texture_decode(scene->allocator, mtl->map_bytes, mtl->map_size, mtl->diffuse_map, &data, &why)
-            : daft_texture_read(scene->allocator, scene->engine->files, mtl->diffuse_map, &data, &why))
-        return texture_add(scene, mtl->diffuse_map, &data, error);
+    if (read_map(scene, &map, &data, &why)) return texture_add(scene, map.key, map.path, &data, error);
     if (why.code == DAFT_ERROR_MEMORY) {
         if (error) *error = why;
         return (daft_texture){0};
     }
     if (!daft_texture_missing(scene->allocator, &data, error)) return (daft_texture){0};
-    daft_texture texture = texture_add(scene, mtl->diffuse_map, &data, error);
+    daft_texture texture = texture_add(scene, map.key, map.path, &data, error);
     if (texture.id)
-        daft_warn_at(&scene->engine->log, why.code, mtl->file, mtl->diffuse_map_line, mtl->diffuse_map_column,
-                     "a checker stands in for the texture %s: %s", mtl->diffuse_map, why.message);
+        daft_warn_at(&scene->engine->log, why.code, mtl->file, map.line, map.column,
+                     "a checker stands in for the texture %s: %s", map.path, why.message);
     return texture;
 }
 

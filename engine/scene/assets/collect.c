@@ -98,9 +98,13 @@ static void mark_onwards(daft_assets *assets)
         for (uint32_t k = 0; k < daft_max_u(item->mesh.slot_count, 1); k++)
             assets->material_states[item->materials[k]].used = true;
     }
-    for (uint32_t i = 0; i < assets->material_slots.count; i++)
-        if (assets->material_slots.items[i].live && assets->material_states[i].used)
-            mark(&assets->texture_slots, assets->texture_states, assets->materials[i].diffuse_map.id);
+    for (uint32_t i = 0; i < assets->material_slots.count; i++) {
+        daft_texture textures[DAFT_MATERIAL_TEXTURES];
+        if (!assets->material_slots.items[i].live || !assets->material_states[i].used) continue;
+        daft_material_textures(&assets->materials[i], textures);
+        for (int k = 0; k < DAFT_MATERIAL_TEXTURES; k++)
+            mark(&assets->texture_slots, assets->texture_states, textures[k].id);
+    }
 }
 
 /* ---- sweep ---- */

@@ -11,10 +11,68 @@ daft_material_def daft_default_material_def(void)
     return def;
 }
 
-static daft_surface surface_from(const daft_material_def *def)
+/* Every texture that a material has. */
+const daft_texture *daft_material_textures(const daft_material_def *def, daft_texture out[DAFT_MATERIAL_TEXTURES])
+{
+    const daft_texture all[DAFT_MATERIAL_TEXTURES] = {
+        def->diffuse_map,   def->ambient_map,  def->specular_map, def->emission_map, def->shininess_map,
+        def->roughness_map, def->metallic_map, def->normal_map,   def->bump_map,     def->alpha_map};
+    memcpy(out, all, sizeof all);
+    return out;
+}
+
+static uint32_t texture_number(daft_texture texture)
+{
+    return texture.id ? daft_asset_index(texture.id) : DAFT_NO_TEXTURE;
+}
+
+static void set_maps(const daft_scene *scene, const daft_material_def *def, daft_surface *s)
+{
+    const daft_texture alpha = def->alpha_map.id ? def->alpha_map : def->diffuse_map;
+    const daft_texture maps[DAFT_MAPS] = {[DAFT_MAP_AMBIENT] = def->ambient_map,
+                                          [DAFT_MAP_SPECULAR] = def->specular_map,
+                                          [DAFT_MAP_EMISSION] = def->emission_map,
+                                          [DAFT_MAP_SHININESS] = def->shininess_map,
+                                          [DAFT_MAP_ROUGHNESS] = def->roughness_map,
+                                          [DAFT_MAP_METALLIC] = def->metallic_map,
+                                          [DAFT_MAP_NORMAL] = def->normal_map,
+                                          [DAFT_MAP_BUMP] = def->bump_map,
+                                          [DAFT_MAP_ALPHA] =
+                                              def->alpha_mode == DAFT_ALPHA_OPAQUE ? (daft_texture){0} : alpha};
+    bool some = false;
+    for (int i = 0; i < DAFT_MAPS; i++) {
+        s->maps[i] = texture_number(maps[i]);
+        some |= maps[i].id && i != DAFT_MAP_ALPHA;
+    }
+    /* of an image that has no alpha, unless it is asked for */
+    const bool own = alpha.id && scene->assets.textures[daft_asset_index(alpha.id)].has_alpha;
+    s->alpha_channel = own || !def->alpha_map.id ? 3 : 1;
+    if (some) s->traits |= DAFT_TRAIT_MAPS | DAFT_TRAIT_VARIES;
+    if (def->normal_map.id || def->bump_map.id) s->traits |= DAFT_TRAIT_TANGENT;
+}
+
+/* A hole is what is seen through: a surface that blends by none or all. */
+static void set_alpha(const daft_material_def *def, daft_surface *s)
+{
+    s->opacity = def->opacity;
+    s->cutoff = def->alpha_mode == DAFT_ALPHA_MASK ? def->alpha_cutoff : 0;
+    if (def->alpha_mode == DAFT_ALPHA_OPAQUE) return;
+    s->traits |= DAFT_TRAIT_VARIES | DAFT_TRAIT_BLEND | DAFT_TRAIT_SENDS;
+    if (s->maps[DAFT_MAP_ALPHA] != DAFT_NO_TEXTURE) s->traits |= DAFT_TRAIT_MAPS;
+}
+
+static void set_physical(const daft_material_def *def, daft_surface *s)
+{
+    s->metallic = def->metallic;
+    if (def->shading != DAFT_SHADING_PHYSICAL) return;
+    s->traits |= DAFT_TRAIT_VARIES | DAFT_TRAIT_PHYSICAL | DAFT_TRAIT_SPECULAR;
+    s->mirror = daft_v3(1, 1, 1); /* at most: at grazing angles */
+}
+
+static daft_surface surface_from(const daft_scene *scene, const daft_material_def *def)
 {
     float kept = 1 - def->transmission;
-    return (daft_surface){
+    daft_surface surface = {
         .ambient = daft_scale(def->ambient, kept),
         .diffuse = daft_scale(def->diffuse, kept),
         .specular = def->specular,
@@ -25,15 +83,40 @@ static daft_surface surface_from(const daft_material_def *def)
         .index = def->refractive_index,
         .shininess = def->shininess,
         .alpha = def->roughness * def->roughness,
-        .texture = def->diffuse_map.id ? daft_asset_index(def->diffuse_map.id) : DAFT_NO_TEXTURE,
+        .texture = texture_number(def->diffuse_map),
         .map_scale = def->map_scale,
+        .map_offset = def->map_offset,
+        .wrap = def->map_wrap,
+        .roughness = def->roughness,
+        .normal_strength = def->normal_strength,
+        .bump_strength = def->bump_strength,
     };
+    set_maps(scene, def, &surface);
+    set_alpha(def, &surface);
+    set_physical(def, &surface);
+    return surface;
+}
+
+/* What a texture is has changed: whether it has alpha. */
+void daft_material_refresh(daft_scene *scene, uint32_t texture)
+{
+    daft_assets *assets = &scene->assets;
+    for (uint32_t i = 0; i < assets->material_slots.count; i++) {
+        const daft_material_def *def = &assets->materials[i];
+        if (def->alpha_map.id == texture || def->diffuse_map.id == texture)
+            assets->surfaces[i] = surface_from(scene, def);
+    }
 }
 
 static bool def_check(const daft_scene *scene, const daft_material_def *def, daft_error *error)
 {
-    return daft_check_pointer(error, "def", def) && daft_struct_check(DAFT_STRUCT_MATERIAL_DEF, def, error) &&
-           daft_texture_check(scene, def->diffuse_map, error);
+    daft_texture textures[DAFT_MATERIAL_TEXTURES];
+    if (!daft_check_pointer(error, "def", def) || !daft_struct_check(DAFT_STRUCT_MATERIAL_DEF, def, error))
+        return false;
+    daft_material_textures(def, textures);
+    for (int i = 0; i < DAFT_MATERIAL_TEXTURES; i++)
+        if (!daft_texture_check(scene, textures[i], error)) return false;
+    return true;
 }
 
 static bool material_reserve(daft_scene *scene, daft_error *error)
@@ -63,7 +146,7 @@ daft_material daft_material_create(daft_scene *scene, const daft_material_def *d
     daft_material material = {daft_asset_add(scene, &assets->material_slots, assets->material_states)};
     uint32_t index = daft_asset_index(material.id);
     assets->materials[index] = *def;
-    assets->surfaces[index] = surface_from(def);
+    assets->surfaces[index] = surface_from(scene, def);
     assets->material_keys[index] = (daft_asset_key){0};
     assets->material_names[index] = NULL;
     return material;
@@ -116,7 +199,7 @@ bool daft_material_set(daft_scene *scene, daft_material material, const daft_mat
         !def_check(scene, def, error))
         return false;
     scene->assets.materials[daft_asset_index(material.id)] = *def;
-    scene->assets.surfaces[daft_asset_index(material.id)] = surface_from(def);
+    scene->assets.surfaces[daft_asset_index(material.id)] = surface_from(scene, def);
     daft_scene_touch(scene);
     return true;
 }
@@ -153,6 +236,59 @@ static void illuminate(const daft_mtl *mtl, daft_material_def *def)
     def->mirror_tint = daft_scale(mtl->specular, 1 / weight);
 }
 
+static daft_texture *map_field(daft_material_def *def, int use)
+{
+    daft_texture *const fields[DAFT_MTL_MAPS] = {
+        [DAFT_MTL_AMBIENT] = &def->ambient_map,   [DAFT_MTL_SPECULAR] = &def->specular_map,
+        [DAFT_MTL_EMISSION] = &def->emission_map, [DAFT_MTL_SHININESS] = &def->shininess_map,
+        [DAFT_MTL_ALPHA] = &def->alpha_map,       [DAFT_MTL_BUMP] = &def->bump_map,
+        [DAFT_MTL_NORMAL] = &def->normal_map,     [DAFT_MTL_ROUGHNESS] = &def->roughness_map,
+        [DAFT_MTL_METALLIC] = &def->metallic_map};
+    return fields[use];
+}
+
+static void release_maps(daft_scene *scene, const daft_material_def *def)
+{
+    daft_texture textures[DAFT_MATERIAL_TEXTURES];
+    daft_material_textures(def, textures);
+    for (int i = 0; i < DAFT_MATERIAL_TEXTURES; i++)
+        if (textures[i].id) daft_texture_release(scene, textures[i], NULL);
+}
+
+static bool load_maps(daft_scene *scene, const daft_mtl *mtl, daft_material_def *def, daft_error *error)
+{
+    for (int i = 0; mtl->maps && i < DAFT_MTL_MAPS; i++) {
+        if (!mtl->maps->map[i].path[0]) continue;
+        *map_field(def, i) = daft_texture_of_map(scene, mtl, (daft_mtl_use)i, error);
+        if (map_field(def, i)->id) continue;
+        release_maps(scene, def);
+        return false;
+    }
+    return true;
+}
+
+/* A map_d is a mask if nearly all of it is there or not, and else blends; and d goes into it. */
+static void blend_or_mask(const daft_scene *scene, const daft_mtl *mtl, daft_material_def *def)
+{
+    if (!def->alpha_map.id) {
+        if (mtl->alpha_mode == DAFT_ALPHA_OPAQUE) return;
+        def->opacity = mtl->opacity, def->transmission = 0;
+        const daft_texture own = def->diffuse_map;
+        const bool some = own.id && scene->assets.textures[daft_asset_index(own.id)].has_alpha;
+        if (!some && def->opacity == 1) def->alpha_mode = DAFT_ALPHA_OPAQUE;
+        return;
+    }
+    const daft_texture_data *t = &scene->assets.textures[daft_asset_index(def->alpha_map.id)];
+    const size_t count = (size_t)t->width[0] * (size_t)t->height[0], channel = t->has_alpha ? 3 : 1;
+    size_t between = 0;
+    for (size_t i = 0; i < count; i++) {
+        const uint8_t a = t->texels[0][4 * i + channel];
+        between += a > 16 && a < 239;
+    }
+    def->opacity = mtl->opacity, def->transmission = 0;
+    def->alpha_mode = between * 8 > count || mtl->opacity < 1 ? DAFT_ALPHA_BLEND : DAFT_ALPHA_MASK;
+}
+
 daft_material daft_material_from_mtl(daft_scene *scene, const daft_mtl *mtl, daft_error *error)
 {
     daft_material_def def = daft_default_material_def();
@@ -161,13 +297,21 @@ daft_material daft_material_from_mtl(daft_scene *scene, const daft_mtl *mtl, daf
     def.emission = mtl->emission;
     def.shininess = mtl->shininess < 1000 ? mtl->shininess : 1000;
     def.roughness = mtl->roughness;
+    def.map_scale = mtl->scale, def.map_offset = mtl->offset, def.map_wrap = mtl->wrap;
+    def.bump_strength = mtl->bump, def.metallic = mtl->metallic;
+    def.alpha_mode = mtl->alpha_mode, def.alpha_cutoff = mtl->alpha_cutoff;
+    /* illum 3 to 9 with a Pr alone is MTL's mirror, as rough as that says */
+    const bool physical = mtl->physical || (mtl->has_roughness && mtl->illum < 3);
+    def.shading = physical ? DAFT_SHADING_PHYSICAL : DAFT_SHADING_PHONG;
     daft_material_transmit(mtl, &def);
-    illuminate(mtl, &def);
+    if (!physical) illuminate(mtl, &def);
     if (mtl->file[0] && !daft_scene_note_file(scene, mtl->file, error)) return (daft_material){0};
     if (mtl->diffuse_map[0]) {
-        def.diffuse_map = daft_texture_of_map(scene, mtl, error);
+        def.diffuse_map = daft_texture_of_map(scene, mtl, DAFT_MTL_DIFFUSE, error);
         if (!def.diffuse_map.id) return (daft_material){0};
     }
+    if (!load_maps(scene, mtl, &def, error)) return (daft_material){0};
+    blend_or_mask(scene, mtl, &def);
     char *name = daft_copy_string(scene->allocator, mtl->name);
     daft_material material = {0};
     if (name)
@@ -178,7 +322,7 @@ daft_material daft_material_from_mtl(daft_scene *scene, const daft_mtl *mtl, daf
         scene->assets.material_names[daft_asset_index(material.id)] = name;
     else
         daft_release(scene->allocator, name);
-    if (def.diffuse_map.id) daft_texture_release(scene, def.diffuse_map, NULL); /* the material uses it */
+    release_maps(scene, &def); /* the material uses them */
     return material;
 }
 

@@ -44,19 +44,28 @@ static bool map_is_repeated(const daft_mtl_list *list, size_t index)
     return false;
 }
 
+static void check_map(const daft_engine *engine, const daft_problems *problems, const daft_mtl *mtl, const char *path,
+                      int line, int column)
+{
+    daft_texture_data texture = {0};
+    daft_error why = {0};
+    if (daft_texture_read(&engine->allocator, engine->files, path, &texture, &why))
+        daft_texture_free(&engine->allocator, &texture);
+    else
+        daft_problem_at(problems, DAFT_SEVERITY_WARNING, why.code, mtl->file, line, column,
+                        "a checker stands in for the texture %s: %s", path, why.message);
+}
+
 static void check_maps(const daft_engine *engine, const daft_problems *problems, const daft_mtl_list *list)
 {
     for (size_t i = 0; i < list->count; i++) {
         const daft_mtl *mtl = &list->items[i];
-        if (!mtl->diffuse_map[0] || map_is_repeated(list, i)) continue;
-        daft_texture_data texture = {0};
-        daft_error why = {0};
-        if (daft_texture_read(&engine->allocator, engine->files, mtl->diffuse_map, &texture, &why))
-            daft_texture_free(&engine->allocator, &texture);
-        else
-            daft_problem_at(problems, DAFT_SEVERITY_WARNING, why.code, mtl->file, mtl->diffuse_map_line,
-                            mtl->diffuse_map_column, "a checker stands in for the texture %s: %s", mtl->diffuse_map,
-                            why.message);
+        for (int k = 0; mtl->maps && k < DAFT_MTL_MAPS; k++) {
+            const daft_mtl_map *map = &mtl->maps->map[k];
+            if (map->path[0]) check_map(engine, problems, mtl, map->path, map->line, map->column);
+        }
+        if (mtl->diffuse_map[0] && !map_is_repeated(list, i))
+            check_map(engine, problems, mtl, mtl->diffuse_map, mtl->diffuse_map_line, mtl->diffuse_map_column);
     }
 }
 
@@ -206,7 +215,7 @@ bool daft_check_file(daft_engine *engine, const char *path, daft_problem_callbac
     if (!found) return daft_fail(error, DAFT_ERROR_ARGUMENT, "found is NULL");
     daft_problems problems = {tell, &(caller){engine, found, user}};
     daft_log kept = engine->log;
-    engine->log = (daft_log){.warn = on_warning, .user = &problems};
+    engine->log = (daft_log){.warn = on_warning, .user = &problems, .checks = true};
     bool done = (is_model(path)            ? check_model
                  : ends_in(path, ".obj")   ? check_obj
                  : ends_in(path, ".mtl")   ? check_mtl

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <stddef.h>
 #include <string.h>
 
 /* Registry key of the table from a material's description to its handle. */
@@ -122,6 +123,44 @@ static void read_texture(lua_State *L, host *h, int table, void *out)
     if (!api_has_field(L, table, "ambient")) def->ambient = white;
 }
 
+/* The images of the other maps, by their key. */
+static const struct {
+    const char *key;
+    size_t offset;
+} MAPS[] = {
+    {"ambient_texture", offsetof(daft_material_def, ambient_map)},
+    {"specular_texture", offsetof(daft_material_def, specular_map)},
+    {"emission_texture", offsetof(daft_material_def, emission_map)},
+    {"shininess_texture", offsetof(daft_material_def, shininess_map)},
+    {"roughness_texture", offsetof(daft_material_def, roughness_map)},
+    {"metallic_texture", offsetof(daft_material_def, metallic_map)},
+    {"normal_texture", offsetof(daft_material_def, normal_map)},
+    {"bump_texture", offsetof(daft_material_def, bump_map)},
+    {"alpha_texture", offsetof(daft_material_def, alpha_map)},
+};
+
+static void read_map(lua_State *L, host *h, daft_material_def *def, size_t map)
+{
+    const daft_texture texture = load_texture(L, h, MAPS[map].key, api_text(L, h, -1, MAPS[map].key));
+    memcpy((char *)def + MAPS[map].offset, &texture, sizeof texture);
+}
+
+#define READ_MAP(number)                                                                                               \
+    static void read_map_##number(lua_State *L, host *h, int table, void *out)                                         \
+    {                                                                                                                  \
+        (void)table;                                                                                                   \
+        read_map(L, h, out, number);                                                                                   \
+    }
+READ_MAP(0)
+READ_MAP(1)
+READ_MAP(2)
+READ_MAP(3)
+READ_MAP(4)
+READ_MAP(5)
+READ_MAP(6)
+READ_MAP(7)
+READ_MAP(8)
+
 /* A colour is of all light, unless the ambient one has its own. */
 static void color_ambient(lua_State *L, host *h, int table, void *out)
 {
@@ -137,7 +176,16 @@ static const api_special SPECIALS[] = {
     {.name = "texture",
      .read = read_texture,
      .value = "\"name\"",
-     .doc = "An image: \"checker\" is textures/checker.png in the game's folder or in assets/"}};
+     .doc = "An image: \"checker\" is textures/checker.png in the game's folder or in assets/"},
+    {.name = "ambient_texture", .read = read_map_0, .value = "\"name\""},
+    {.name = "specular_texture", .read = read_map_1, .value = "\"name\""},
+    {.name = "emission_texture", .read = read_map_2, .value = "\"name\""},
+    {.name = "shininess_texture", .read = read_map_3, .value = "\"name\""},
+    {.name = "roughness_texture", .read = read_map_4, .value = "\"name\""},
+    {.name = "metallic_texture", .read = read_map_5, .value = "\"name\""},
+    {.name = "normal_texture", .read = read_map_6, .value = "\"name\""},
+    {.name = "bump_texture", .read = read_map_7, .value = "\"name\""},
+    {.name = "alpha_texture", .read = read_map_8, .value = "\"name\""}};
 
 const api_form api_material_form = {"material", "daft.material", DAFT_STRUCT_MATERIAL_DEF,
                                     -1,         SPECIALS,        COUNT_OF(SPECIALS)};
@@ -155,8 +203,13 @@ static daft_material create(lua_State *L, host *h, const daft_material_def *def)
     daft_error error;
     daft_material material = daft_material_create(h->def.scene, def, &error);
     if (material.id == 0) api_engine_error(L, h, &error);
-    if (def->diffuse_map.id) daft_texture_release(h->def.scene, def->diffuse_map, NULL); /* the material uses it */
     h->made += def->diffuse_map.id ? TEXTURED : 1;
+    if (def->diffuse_map.id) daft_texture_release(h->def.scene, def->diffuse_map, NULL); /* the material uses it */
+    for (size_t i = 0; i < COUNT_OF(MAPS); i++) {
+        daft_texture map;
+        memcpy(&map, (const char *)def + MAPS[i].offset, sizeof map);
+        if (map.id) daft_texture_release(h->def.scene, map, NULL);
+    }
     return material;
 }
 

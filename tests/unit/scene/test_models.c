@@ -124,7 +124,8 @@ static void materials_come_along(void **state)
     daft_material_def look;
     assert_true(daft_material_get(f->scene, hit.material, &look, &error));
     assert_true(fabsf(look.diffuse.x - 0.5f) < 1e-6f && fabsf(look.diffuse.z - 0.125f) < 1e-6f);
-    assert_true(fabsf(look.emission.y - 0.25f) < 1e-6f && fabsf(look.shininess - 30) < 1e-3f);
+    assert_true(fabsf(look.emission.y - 0.25f) < 1e-6f && look.shading == DAFT_SHADING_PHYSICAL);
+    assert_true(look.roughness == 0.5f && look.alpha_mode == DAFT_ALPHA_OPAQUE);
     assert_true(look.transmission == 0 && look.diffuse_map.id == 0);
     const uint32_t files = daft_scene_file_count(f->scene);
     assert_true(files == 1 && strstr(daft_scene_get_file(f->scene, 0), "pyramid.gltf"));

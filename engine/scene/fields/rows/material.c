@@ -3,6 +3,12 @@
 #define ROW(m, ...)   DAFT_ROW(daft_material_def, m, __VA_ARGS__)
 #define COLOR(m, ...) DAFT_COLOR_ROW(daft_material_def, m, __VA_ARGS__)
 
+#define CHOICE(m, names, ...) DAFT_CHOICE_ROW(daft_material_def, m, names, __VA_ARGS__)
+
+static const char *const SHADINGS[] = {"phong", "physical"};
+static const char *const ALPHA_MODES[] = {"opaque", "mask", "blend"};
+static const char *const WRAPS[] = {"repeat", "clamp", "mirror"};
+
 static const daft_field ROWS[] = {
     DAFT_COOKIE_ROW(daft_material_def),
     COLOR(ambient, ZERO_OR_MORE, .initial = {0.8, 0.8, 0.8}, .lua = "ambient", .flags = DAFT_FIELD_UNIFORM,
@@ -29,6 +35,32 @@ static const daft_field ROWS[] = {
     ROW(diffuse_map, .lua = "texture", .doc = "The image that diffuse is multiplied by"),
     ROW(map_scale, .initial = {1, 1}, .lua = "texture_scale", .flags = DAFT_FIELD_UNIFORM,
         .doc = "Repeats of the texture over one unit of u and of v; on boxes one unit is a metre"),
+    ROW(map_offset, .lua = "texture_offset", .doc = "Added to u and v once they are scaled"),
+    CHOICE(map_wrap, WRAPS, .lua = "texture_wrap", .doc = "What lies beyond the textures' edges"),
+    CHOICE(shading, SHADINGS, .lua = "shading",
+           .doc = "By Lambert and Phong, or physically: color is the base colour, of which metallic and roughness say "
+                  "the rest, as in glTF"),
+    ROW(metallic, FROM(0, 1), .lua = "metallic", .doc = "How much of it is metal; physical shading alone"),
+    ROW(ambient_map, .lua = "ambient_texture", .doc = "The image that ambient is multiplied by; none: texture"),
+    ROW(specular_map, .lua = "specular_texture", .doc = "The image that specular and mirror are multiplied by"),
+    ROW(emission_map, .lua = "emission_texture", .doc = "The image that emission is multiplied by"),
+    ROW(shininess_map, .lua = "shininess_texture", .doc = "The image whose green shininess is multiplied by"),
+    ROW(roughness_map, .lua = "roughness_texture", .doc = "The image whose green roughness is multiplied by"),
+    ROW(metallic_map, .lua = "metallic_texture", .doc = "The image whose blue metallic is multiplied by"),
+    ROW(normal_map, .lua = "normal_texture",
+        .doc = "Normals in tangent space: red along u, green along v, blue outwards"),
+    ROW(normal_strength, FROM(-100, 100), .initial = {1}, .lua = "normal_strength",
+        .doc = "Its slopes are multiplied by it"),
+    ROW(bump_map, .lua = "bump_texture", .doc = "Heights, in green"),
+    ROW(bump_strength, FROM(-1000, 1000), .initial = {1}, .lua = "bump_strength",
+        .doc = "The slope between a black texel and a white one beside it"),
+    CHOICE(alpha_mode, ALPHA_MODES, .lua = "alpha",
+           .doc = "mask: a hole where alpha is below alpha_cutoff; blend: what lies behind shows as much as alpha is "
+                  "below 1"),
+    ROW(opacity, FROM(0, 1), .initial = {1}, .lua = "opacity", .doc = "What alpha is multiplied by"),
+    ROW(alpha_cutoff, FROM(0, 1), .initial = {0.5}, .lua = "alpha_cutoff", .doc = "Where a mask has holes"),
+    ROW(alpha_map, .lua = "alpha_texture",
+        .doc = "Its alpha or, where it has none, its green is the alpha; none: the alpha of texture"),
 };
 
 const daft_field_list daft_material_fields = DAFT_FIELD_LIST(daft_material_def, ROWS);
