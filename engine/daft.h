@@ -291,10 +291,10 @@ typedef struct daft_mesh_def {
     const daft_vec3 *positions; /* metres, all finite */
     const daft_vec3 *normals;   /* one a position, or NULL: smooth across edges flatter than 40 degrees */
     const daft_vec2 *uvs;       /* one a position, or NULL: no texture coordinates */
-    const daft_vec3 *colors;    /* one a position, linear, 0..1: what its material's colour is multiplied by; or NULL */
     uint32_t vertex_count;
     const uint32_t *indices; /* three a triangle, below vertex_count; counter-clockwise seen from outside */
     uint32_t triangle_count;
+    const daft_vec3 *colors; /* one a position, linear, 0..1: what its material's colour is multiplied by; or NULL */
 } daft_mesh_def;
 
 DAFT_API daft_mesh_def daft_default_mesh_def(void);

@@ -124,11 +124,13 @@ typedef struct daft_varying {
     float opacity[DAFT_BATCH_ROOM]; /* the rest is seen through it */
 } daft_varying;
 
+/* Mirrored rays of physical surfaces of less weight than this are not sent: see vary_kernel.c. */
+#define DAFT_LEAST_MIRROR 0.02f
+
 /* What the points of a batch may still do. */
 typedef struct daft_vary_def {
     bool mirrors;       /* mirrored rays are followed: else the ambient light stands for what they would see */
     bool lets_through;  /* what lies behind is looked for: else surfaces that blend are opaque */
-    float least_mirror; /* see vary_kernel.c */
 } daft_vary_def;
 
 /* Points to be shaded, in frame space. Bit sets have point i at bit i % 32 of word i / 32. */

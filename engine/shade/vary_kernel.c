@@ -123,7 +123,7 @@ static void make_physical(const place *p, const material_reader *m, vf3 base, vm
     const vf3 f0 = {dielectric + base.x * metal, dielectric + base.y * metal, dielectric + base.z * metal};
     const vf cosine = vf_clamp01(vf3_dot(lanes_load(&batch->normal, i), lanes_load(&batch->view, i)));
     const vf3 e = directional_albedo(f0, rough, cosine);
-    const vf most = vf_max(e.x, vf_max(e.y, e.z)) * (one - rough * vf_set(0.5f)), least = vf_set(p->def->least_mirror);
+    const vf most = vf_max(e.x, vf_max(e.y, e.z)) * (one - rough * vf_set(0.5f)), least = vf_set(DAFT_LEAST_MIRROR);
     const vf rays = p->def->mirrors ? vf_clamp01((most - least) / least) : zero;
     const vf3 below = {base.x * (one - metal) * (one - e.x), base.y * (one - metal) * (one - e.y),
                        base.z * (one - metal) * (one - e.z)};

@@ -403,6 +403,12 @@ static const daft_light_def *give_const_daft_light_def_p(caller *c)
     return give_struct(c, DAFT_STRUCT_LIGHT_DEF, &def, false);
 }
 
+static const daft_fog *give_const_daft_fog_p(caller *c)
+{
+    daft_fog fog = daft_default_fog();
+    return give_struct(c, DAFT_STRUCT_FOG, &fog, false);
+}
+
 static const daft_camera *give_const_daft_camera_p(caller *c)
 {
     daft_camera camera = daft_default_camera();
@@ -783,6 +789,7 @@ TOOK_VALUE(daft_entity_def)
 TOOK_VALUE(daft_joint_def)
 TOOK_VALUE(daft_light_def)
 TOOK_VALUE(daft_quality)
+TOOK_VALUE(daft_fog)
 TOOK_VALUE(daft_view)
 TOOK_VALUE(daft_query_filter)
 TOOK_VALUE(daft_volume)

@@ -83,8 +83,7 @@ static void read_maps(tile_job *j, daft_batch *points, int depth)
     const daft_plan *plan = &j->frame->plan;
     const bool textured = points->traits & (DAFT_TRAIT_TEXTURE | DAFT_TRAIT_MAPS);
     const daft_vary_def def = {.mirrors = plan->reflects && depth < plan->quality->mirror_depth,
-                               .lets_through = plan->refracts && depth < plan->through_depth,
-                               .least_mirror = 0.02f};
+                               .lets_through = plan->refracts && depth < plan->through_depth};
     if (points->traits & DAFT_TRAIT_TEXTURE)
         j->r->shade->albedo(points, snapshot->materials, snapshot->textures, snapshot->quality.texture_filter);
     if (points->traits & DAFT_TRAIT_VARIES)

@@ -1,6 +1,7 @@
 /* Materials: their definition as users see it, the surface that the kernels read, and what an MTL entry becomes. */
 #include "scene/scene.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -61,12 +62,31 @@ static void set_alpha(const daft_material_def *def, daft_surface *s)
     if (s->maps[DAFT_MAP_ALPHA] != DAFT_NO_TEXTURE) s->traits |= DAFT_TRAIT_MAPS;
 }
 
+/* The most that a surface without maps reflects: directional_albedo of shade/vary_kernel.c at grazing angles, of which
+ * it is a rising function, less what rough surfaces are spared. */
+static float most_reflected(float f0, float rough)
+{
+    const float rx = 1 - rough, ry = 0.0425f - rough * 0.0275f, rz = 1.04f - rough * 0.572f,
+                rw = rough * 0.022f - 0.04f;
+    const float grazing = rx * rx * rx + ry, e = f0 * rz + rw + 1.04f * grazing * (1 - f0);
+    return e * (1 + f0 * (1 / (rz + rw) - 1)) * (1 - rough / 2);
+}
+
+/* Whether rays follow what it mirrors; 0.04: what dielectrics reflect straight on. */
+static bool sends_mirrored(const daft_material_def *def)
+{
+    if (def->roughness_map.id) return true;
+    const float base = fmaxf(def->diffuse.x, fmaxf(def->diffuse.y, def->diffuse.z));
+    const float f0 = fmaxf(0.04f, 0.04f * (1 - def->metallic) + base * def->metallic);
+    return most_reflected(f0, def->roughness) > 0.99f * DAFT_LEAST_MIRROR;
+}
+
 static void set_physical(const daft_material_def *def, daft_surface *s)
 {
     s->metallic = def->metallic;
     if (def->shading != DAFT_SHADING_PHYSICAL) return;
     s->traits |= DAFT_TRAIT_VARIES | DAFT_TRAIT_PHYSICAL | DAFT_TRAIT_SPECULAR;
-    s->mirror = daft_v3(1, 1, 1); /* at most: at grazing angles */
+    if (sends_mirrored(def)) s->mirror = daft_v3(1, 1, 1); /* at most: at grazing angles */
 }
 
 static daft_surface surface_from(const daft_scene *scene, const daft_material_def *def)
