@@ -129,8 +129,8 @@ typedef struct daft_varying {
 
 /* What the points of a batch may still do. */
 typedef struct daft_vary_def {
-    bool mirrors;       /* mirrored rays are followed: else the ambient light stands for what they would see */
-    bool lets_through;  /* what lies behind is looked for: else surfaces that blend are opaque */
+    bool mirrors;      /* mirrored rays are followed: else the ambient light stands for what they would see */
+    bool lets_through; /* what lies behind is looked for: else surfaces that blend are opaque */
 } daft_vary_def;
 
 /* Points to be shaded, in frame space. Bit sets have point i at bit i % 32 of word i / 32. */
