@@ -1051,6 +1051,11 @@ function daft.restart() end
 ---Ends the game after this tick.
 function daft.quit() end
 
+---What the game's window is like: its title, its size in points of the screen, whether it fills the screen, and an
+---image file as its icon. What is not given stays; the player may change size and full screen at any time.
+---@param options table
+function daft.window(options) end
+
 ---0 <= x < 1; or a whole number from 1 to m, or from m to n. The same in every run with the same seed;
 ---math.random is the same function. Within daft.draw it draws from a sequence of its own.
 ---@param m? number

@@ -48,6 +48,7 @@ typedef struct session {
     player_settings settings;
     pause_menu pause;
     key_map keys;                /* the player's */
+    window_wish granted;         /* the last; its icon is only compared */
     bool redraws;                /* while it pauses: the picture is to change */
     bool paced;                  /* the player has set something in this session */
     daft_image *picture, *small; /* the window's; the scene's, where it has fewer pixels */
@@ -595,6 +596,21 @@ static void grab_mouse(session *s, bool grab)
     s->grabbed = grab;
 }
 
+/* The window as the game wishes it, where that is something new: what the player has changed since stays. */
+static void grant_window(session *s)
+{
+    const window_wish *wish = &s->play->scripts.window, before = s->granted;
+    platform *screen = s->def->screen;
+    if (wish->changes == 0 || (wish->changes == before.changes && wish->icon == before.icon)) return;
+    s->granted = *wish;
+    if (wish->title[0] && strcmp(wish->title, before.title) != 0) screen->set_title(screen, wish->title);
+    if (screen->set_size && wish->width > 0 && (wish->width != before.width || wish->height != before.height))
+        screen->set_size(screen, wish->width, wish->height);
+    if (screen->full_screen && wish->full_screen >= 0 && wish->full_screen != before.full_screen)
+        screen->full_screen(screen, wish->full_screen);
+    if (screen->set_icon && wish->icon) screen->set_icon(screen, wish->icon);
+}
+
 /* What gamepads are to do, once for each wish. */
 static void rumble(session *s)
 {
@@ -631,6 +647,7 @@ static bool turn(session *s, daft_error *error)
     if (s->pause.open) return turn_paused(s, error);
     if (s->wants_reload) {
         s->wants_reload = s->reported = false;
+        s->granted.changes = 0;
         if (!game_reload(s->play, error)) return false;
     }
     if (!take_changes(s, error)) return false;
@@ -643,6 +660,7 @@ static bool turn(session *s, daft_error *error)
     const bool full_speed = isinf(speed_of(s)) && !s->def->screen->headless;
     if (!(full_speed ? run_at_full_speed(s, error) : run_updates(s, updates_due(s, elapsed), error))) return false;
     keep_pace(s);
+    grant_window(s);
     rumble(s);
     if (!atomic_load(&s->leaving) && (s->def->every_frame || screen->wants_frame(screen))) {
         if (!draw(s, loop_alpha(&s->clock), error) || !screen->present(screen, s->picture, error)) return false;
@@ -793,7 +811,7 @@ static bool leave(session *s, daft_error *error)
 
 session_end session_play(const session_def *def, const game_info *info, daft_error *error)
 {
-    session s = {.def = def, .now = *def, .info = info};
+    session s = {.def = def, .now = *def, .info = info, .granted.full_screen = -1};
     s.play = &s.games[0];
     char title[160];
     snprintf(title, sizeof title, "%s - DAFT", info->title);

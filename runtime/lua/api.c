@@ -9,10 +9,13 @@
 #include <stdio.h>
 #include <string.h>
 
+/* clang-format off: one a line, so that two changes seldom meet in one */
 static const api_area *const AREAS[] = {
-    &api_entity,   &api_animation, &api_hierarchy, &api_tags,  &api_body,  &api_joint, &api_character, &api_query,
-    &api_material, &api_light,     &api_camera,    &api_input, &api_hud,   &api_draw,  &api_time,      &api_world,
-    &api_chance,   &api_particles, &api_picture,   &api_save,  &api_sound, &api_test};
+    &api_entity,   &api_animation, &api_hierarchy, &api_tags,    &api_body, &api_joint, &api_character, &api_query,
+    &api_material, &api_light,     &api_camera,    &api_input,   &api_hud,  &api_draw,  &api_time,      &api_world,
+    &api_window,   &api_chance,    &api_particles, &api_picture, &api_save, &api_sound, &api_test,
+};
+/* clang-format on */
 
 static const char *const CALLBACKS[] = {"load", "update", "draw", "keypressed", "keyreleased", "textinput"};
 static const char *const TYPES[API_TYPES] = {"entity", "light", "material", "mesh",  "joint",  "character", "picture",

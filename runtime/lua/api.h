@@ -34,8 +34,8 @@ typedef struct api_area {
 } api_area;
 
 extern const api_area api_entity, api_animation, api_hierarchy, api_tags, api_body, api_joint, api_character, api_query,
-    api_material, api_light, api_camera, api_input, api_hud, api_draw, api_time, api_world, api_chance, api_particles,
-    api_picture, api_save, api_sound, api_test;
+    api_material, api_light, api_camera, api_input, api_hud, api_draw, api_time, api_world, api_window, api_chance,
+    api_particles, api_picture, api_save, api_sound, api_test;
 /* All areas, for registration and for the reference. */
 const api_area *const *api_areas(size_t *count);
 /* The functions that a game may define in `daft`. */

@@ -527,7 +527,7 @@ static int build(lua_State *L)
 
 bool host_open(host *state, const host_def *def)
 {
-    *state = (host){.def = *def, .target_ms = -1, .scale = 1, .next_scale = 1};
+    *state = (host){.def = *def, .target_ms = -1, .window.full_screen = -1, .scale = 1, .next_scale = 1};
     mixer_init(&state->mixer);
     random_seed(&state->random, def->seed);
     random_seed(&state->draw_random, ~def->seed);
@@ -555,6 +555,8 @@ void host_close(host *state)
     if (state->L) lua_close(state->L);
     state->L = NULL;
     mixer_free(&state->mixer);
+    daft_image_destroy(state->window.icon);
+    state->window.icon = NULL;
     daft_engine_unreserve(state->def.engine, state->reserved);
     state->reserved = 0;
 }

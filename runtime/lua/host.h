@@ -51,6 +51,15 @@ typedef struct host_def {
     void *user;
 } host_def;
 
+/* What the game wishes of its window (tables/window.c). */
+typedef struct window_wish {
+    uint32_t changes;  /* calls so far; 0: it wishes nothing */
+    char title[128];   /* empty: the game's */
+    int width, height; /* points; 0: as it is */
+    int full_screen;   /* -1: as it is */
+    daft_image *icon;  /* the host's; NULL: as it is */
+} window_wish;
+
 /* Open to runtime/lua/ and the game only. */
 typedef struct host {
     lua_State *L;
@@ -69,6 +78,7 @@ typedef struct host {
     float rumble;                   /* 0 to 1, */
     double rumble_seconds;          /* for so long, from now; 0: nothing is new */
     actions actions;
+    window_wish window;
     double target_ms;            /* that a frame may take; 0: any; below 0: the script has not said */
     const api_function *calling; /* the binding that runs, for messages */
     const char *callback;        /* the callback that runs, for messages */

@@ -348,6 +348,24 @@ static void set_title_sdl(platform *self, const char *title)
     unlock(sdl);
 }
 
+static void resize_sdl(platform *self, int width, int height)
+{
+    sdl_platform *sdl = lock(self);
+    SDL_SetWindowSize(sdl->window, width, height);
+    unlock(sdl);
+}
+
+static void set_icon_sdl(platform *self, daft_image *icon)
+{
+    const int width = daft_image_width(icon), height = daft_image_height(icon);
+    sdl_platform *sdl = lock(self);
+    SDL_Surface *surface = SDL_CreateRGBSurfaceWithFormatFrom(daft_image_pixels(icon), width, height, 32, 4 * width,
+                                                              SDL_PIXELFORMAT_RGBA32);
+    if (surface) SDL_SetWindowIcon(sdl->window, surface);
+    SDL_FreeSurface(surface);
+    unlock(sdl);
+}
+
 static bool copy_sdl(platform *self, const char *text)
 {
     sdl_platform *sdl = lock(self);
@@ -427,6 +445,8 @@ platform *platform_open_sdl(const char *title, int width, int height, daft_error
                            .end_frame = end_frame_sdl,
                            .now_ns = now_sdl,
                            .set_title = set_title_sdl,
+                           .set_size = resize_sdl,
+                           .set_icon = set_icon_sdl,
                            .copy = copy_sdl,
                            .full_screen = full_screen_sdl,
                            .rumble = rumble_sdl,

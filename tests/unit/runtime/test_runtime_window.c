@@ -40,7 +40,8 @@ typedef struct script_platform {
     int picture_width, picture_height;
     uint8_t corner[4]; /* of the last picture */
     char title[200];
-    char copied[FAILURE_TEXT]; /* to the clipboard */
+    int wished_width, wished_height, full, icon_width; /* as the game asked; full: -1 until it does */
+    char copied[FAILURE_TEXT];                         /* to the clipboard */
 } script_platform;
 
 static char folder[64], recorded[96]; /* of games that tests write */
@@ -134,6 +135,24 @@ static void set_title_script(platform *self, const char *title)
     snprintf(((script_platform *)self)->title, sizeof((script_platform *)self)->title, "%s", title);
 }
 
+static void set_size_script(platform *self, int width, int height)
+{
+    script_platform *p = (script_platform *)self;
+    p->wished_width = width, p->wished_height = height;
+}
+
+static bool full_screen_script(platform *self, int wish)
+{
+    script_platform *p = (script_platform *)self;
+    if (wish >= 0) p->full = wish;
+    return p->full == 1;
+}
+
+static void set_icon_script(platform *self, daft_image *icon)
+{
+    ((script_platform *)self)->icon_width = daft_image_width(icon);
+}
+
 static void grab_script(platform *self, bool grab) { (void)self, (void)grab; }
 static bool copy_script(platform *self, const char *text)
 {
@@ -170,6 +189,9 @@ static void set_up(const happening *script, size_t count)
                                           .end_frame = end_frame_script,
                                           .now_ns = now_script,
                                           .set_title = set_title_script,
+                                          .set_size = set_size_script,
+                                          .full_screen = full_screen_script,
+                                          .set_icon = set_icon_script,
                                           .copy = copy_script,
                                           .grab_mouse = grab_script,
                                           .hide = hide_script},
@@ -579,6 +601,30 @@ static void a_stopped_game_goes_on_when_it_is_right(void **unused)
     drop_folder();
 }
 
+/* What a game wishes is granted once, and again only where it wishes something else. */
+static void the_window_is_as_the_game_wishes(void **unused)
+{
+    (void)unused;
+    char icon[96];
+    daft_error error;
+    begin_changing();
+    snprintf(icon, sizeof icon, "%s/changing/icon.png", folder);
+    daft_engine_def def = daft_default_engine_def();
+    daft_engine *engine = daft_engine_create(&def, &error);
+    daft_image *image = daft_image_create(engine, 24, 16, &error);
+    assert_true(daft_image_write(image, icon, &error));
+    daft_image_destroy(image), daft_engine_destroy(engine);
+    write_game("function daft.load() daft.window { title = 'Tower', width = 640, height = 360, icon = 'icon.png' } end "
+               "function daft.update() if daft.tick() == 20 then daft.window { full_screen = true } end end\n");
+    const happening script[] = {{40, "close", 0, 0}};
+    PLAY(script);
+    assert_int_equal(play_changing(), SESSION_CLOSED);
+    assert_string_equal(s.screen.title, "Tower");
+    assert_true(s.screen.wished_width == 640 && s.screen.wished_height == 360 && s.screen.icon_width == 24);
+    assert_int_equal(s.screen.full, 1);
+    drop_folder();
+}
+
 static void the_picture_follows_the_window(void **unused)
 {
     (void)unused;
@@ -827,6 +873,7 @@ int main(void)
                                        cmocka_unit_test(a_game_that_began_again_is_relived_from_there),
                                        cmocka_unit_test(a_stopped_game_goes_on_when_it_is_right),
                                        cmocka_unit_test(the_picture_follows_the_window),
+                                       cmocka_unit_test(the_window_is_as_the_game_wishes),
                                        cmocka_unit_test(a_script_error_is_shown_and_r_reloads),
                                        cmocka_unit_test(an_error_is_copied_and_opened_in_the_editor),
                                        cmocka_unit_test(pictures_of_soft_light_get_better),
