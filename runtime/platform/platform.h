@@ -38,7 +38,7 @@ struct platform {
     /* In points of the screen, as the system grants them, while it does not fill the screen; NULL: it has none. */
     void (*set_size)(platform *self, int width, int height);
     void (*set_icon)(platform *self, daft_image *icon); /* NULL: nobody would see it */
-    bool (*copy)(platform *self, const char *text);           /* to the clipboard; NULL: there is none */
+    bool (*copy)(platform *self, const char *text);     /* to the clipboard; NULL: there is none */
     /* 1 or 0: the window fills the screen from now on, or not; -1: only asks. Whether it does. NULL: it never does. */
     bool (*full_screen)(platform *self, int wish);
     void (*rumble)(platform *self, float strength, double seconds); /* of gamepads, 0 to 1; NULL: none can */
