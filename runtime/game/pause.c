@@ -7,10 +7,10 @@
 #include <string.h>
 
 /* The first page, then what the page of keys has beside them. */
-enum { CONTINUE, PACE, VOLUME, FULL_SCREEN, CONTROLS, RESTART, LEAVE, KEY, KEYS_AS_AT_FIRST, BACK };
-enum { VISIBLE = 7 };
+enum { CONTINUE, PICTURE, PACE, VOLUME, FULL_SCREEN, CONTROLS, RESTART, LEAVE, KEY, KEYS_AS_AT_FIRST, BACK };
+enum { VISIBLE = 8 };
 
-static const float ROW = 58, WIDTH = 560, TOP = 232;
+static const float ROW = 58, WIDTH = 560, TOP = 190;
 static const canvas_color WHITE = {245, 247, 250, 255}, GREY = {176, 188, 206, 255}, SHADE = {8, 12, 22, 150},
                           DARK = {12, 17, 30, 215}, CHOSEN = {64, 132, 255, 235};
 
@@ -22,6 +22,15 @@ static const struct {
              {"60 a second", 1000.0 / 60},
              {"30 a second", 1000.0 / 30},
              {"always exact", 0}};
+
+static const char *const PICTURES[] = {"as the game asks", "draft", "game", "high", "reference"};
+
+quality_wish pause_quality(const player_settings *settings, const quality_wish *asked)
+{
+    quality_wish wish = *asked;
+    if (settings->picture > 0) wish.preset = settings->picture - 1;
+    return wish;
+}
 
 double pause_target_ms(const player_settings *settings) { return PACES[settings->pace].target_ms; }
 
@@ -36,9 +45,12 @@ player_settings settings_load(saves *store)
     daft_error error;
     int full;
     if (!store || !saves_get(store, "settings", &text, &error) || !text) return USUAL;
-    if (sscanf(text, "pace %d volume %d full_screen %d", &s.pace, &s.volume, &full) != 3) return USUAL;
+    s.picture = 0; /* files of before have none */
+    if (sscanf(text, "pace %d volume %d full_screen %d picture %d", &s.pace, &s.volume, &full, &s.picture) < 3)
+        return USUAL;
     s.full_screen = full == 1;
-    const bool fits = s.pace >= 0 && s.pace < (int)COUNT_OF(PACES) && s.volume >= 0 && s.volume <= 10;
+    const bool fits = s.pace >= 0 && s.pace < (int)COUNT_OF(PACES) && s.volume >= 0 && s.volume <= 10 &&
+                      s.picture >= 0 && s.picture < (int)COUNT_OF(PICTURES);
     return fits ? s : USUAL;
 }
 
@@ -46,7 +58,8 @@ void settings_save(saves *store, const player_settings *s)
 {
     char text[80];
     daft_error error;
-    snprintf(text, sizeof text, "pace %d volume %d full_screen %d", s->pace, s->volume, s->full_screen);
+    snprintf(text, sizeof text, "pace %d volume %d full_screen %d picture %d", s->pace, s->volume, s->full_screen,
+             s->picture);
     if (store && !saves_put(store, "settings", text, &error)) report(&error);
 }
 
@@ -136,15 +149,18 @@ static int row_under_mouse(const pause_menu *self)
 static pause_wish change(pause_menu *self, int by, bool round)
 {
     player_settings *s = self->settings, before = *s;
-    const int paces = (int)COUNT_OF(PACES), kind = row_at(self, self->chosen).kind;
+    const int paces = (int)COUNT_OF(PACES), pictures = (int)COUNT_OF(PICTURES), kind = row_at(self, self->chosen).kind;
     if (kind == PACE) s->pace = (s->pace + by + paces) % paces;
+    if (kind == PICTURE) s->picture = (s->picture + by + pictures) % pictures;
     if (kind == VOLUME) {
         s->volume += by;
         if (s->volume > 10) s->volume = round ? 0 : 10;
         if (s->volume < 0) s->volume = 0;
     }
     if (kind == FULL_SCREEN) s->full_screen = !s->full_screen;
-    return memcmp(s, &before, sizeof before) == 0 ? PAUSE_STAY : PAUSE_SET;
+    const bool same = s->pace == before.pace && s->volume == before.volume && s->picture == before.picture &&
+                      s->full_screen == before.full_screen;
+    return same ? PAUSE_STAY : PAUSE_SET;
 }
 
 static pause_wish leave_page(pause_menu *self)
@@ -231,6 +247,7 @@ static const char *value_of(const pause_menu *self, const pause_row *row, char o
     const player_settings *s = self->settings;
     const int shown = row->kind == KEY ? key_map_shown(self->keys, row->key) : -1;
     switch (row->kind) {
+    case PICTURE: return PICTURES[s->picture];
     case PACE: return PACES[s->pace].name;
     case VOLUME: snprintf(out, VALUE, s->volume ? "%d %%" : "off", 10 * s->volume); return out;
     case FULL_SCREEN: return s->full_screen ? "on" : "off";
@@ -241,8 +258,9 @@ static const char *value_of(const pause_menu *self, const pause_row *row, char o
 
 static const char *name_of(const pause_row *row)
 {
-    static const char *const NAMES[] = {"Continue",    "Frames", "Sound", "Full screen",      "Controls",
-                                        "Start again", "Leave",  "",      "Keys as at first", "Back"};
+    static const char *const NAMES[] = {"Continue", "Picture",     "Frames", "Sound", "Full screen",
+                                        "Controls", "Start again", "Leave",  "",      "Keys as at first",
+                                        "Back"};
     return row->kind == KEY ? row->what->name : NAMES[row->kind];
 }
 

@@ -3,6 +3,7 @@
 #ifndef RUNTIME_GAME_PAUSE_H
 #define RUNTIME_GAME_PAUSE_H
 
+#include "common/quality.h"
 #include "files/saves.h"
 #include "hud/canvas.h"
 #include "platform/actions.h"
@@ -12,6 +13,7 @@ typedef struct player_settings {
     int pace;   /* one of those of pause_target_ms */
     int volume; /* 0 to 10 */
     bool full_screen;
+    int picture; /* 0: as the game asks; else 1 more than the daft_preset */
 } player_settings;
 
 typedef enum pause_wish { PAUSE_STAY, PAUSE_CONTINUE, PAUSE_SET, PAUSE_KEYS, PAUSE_RESTART, PAUSE_LEAVE } pause_wish;
@@ -35,6 +37,9 @@ void pause_draw(pause_menu *self, const canvas *over, font *face, const char *ti
 
 /* What a frame may take: milliseconds, 0: any, below 0: as the game says. */
 double pause_target_ms(const player_settings *settings);
+
+/* The quality that the player wants, else `asked`. */
+quality_wish pause_quality(const player_settings *settings, const quality_wish *asked);
 
 /* Settings that cannot be read are the usual ones. `store` may be NULL. */
 player_settings settings_load(saves *store);

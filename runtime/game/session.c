@@ -215,6 +215,14 @@ static void apply_settings(session *s)
     if (screen->full_screen) screen->full_screen(screen, s->settings.full_screen);
 }
 
+/* The player's, unless this session was started with one and the player has set nothing since. */
+static quality_wish quality_of_session(const session *s)
+{
+    const quality_wish *asked = &s->def->quality;
+    const bool own = s->def->pauses && (s->paced || asked->preset == QUALITY_OF_SCENE);
+    return own ? pause_quality(&s->settings, asked) : *asked;
+}
+
 /* The name of this game's keys among the program's own saves. */
 static const char *name_of_keys(const session *s, char out[32])
 {
@@ -261,6 +269,7 @@ static void take_pause(session *s, const input_event *event)
     if (wish != PAUSE_SET) return;
     s->paced = true;
     apply_settings(s);
+    s->play->def.quality = quality_of_session(s);
     settings_save(s->own, &s->settings);
 }
 
@@ -772,7 +781,7 @@ static bool run(session *s, daft_error *error)
                      .source = s->source,
                      .engine = def->engine,
                      .face = def->face,
-                     .quality = def->quality,
+                     .quality = quality_of_session(s),
                      .seed = def->replay ? s->replay.seed : def->seed,
                      .replay = def->replay ? &s->replay : NULL,
                      .record = s->record,

@@ -348,7 +348,7 @@ static void the_pause_menu_shows_itself_and_goes_by_mouse(void **unused)
     assert_true(with >= 1);
     const happening miss[] = {{5, "+escape", 0, 0},
                               {30, "click", 0.1f, 0.761f},
-                              {40, "click", 0.5f, 0.36f},
+                              {40, "click", 0.5f, 0.3f},
                               {60, "close", 0, 0}}; /* beside the rows; then "Continue" */
     PLAY(miss);
     assert_int_equal(play_and_pause(), SESSION_CLOSED);
@@ -363,25 +363,59 @@ static void settings_last(void **unused)
     int count;
     make_folder();
     snprintf(path, sizeof path, "%s/DAFT.settings.save", folder);
-    const happening script[] = {{2, "+escape", 0, 0}, {4, "+down", 0, 0}, {5, "+right", 0, 0},  {6, "+right", 0, 0},
-                                {7, "+down", 0, 0},   {8, "+left", 0, 0}, {9, "+escape", 0, 0}, {12, "close", 0, 0}};
+    const happening script[] = {{2, "+escape", 0, 0}, {3, "+down", 0, 0},   {3, "+left", 0, 0},  {3, "+left", 0, 0},
+                                {4, "+down", 0, 0},   {5, "+right", 0, 0},  {6, "+right", 0, 0}, {7, "+down", 0, 0},
+                                {8, "+left", 0, 0},   {9, "+escape", 0, 0}, {12, "close", 0, 0}};
     PLAY(script);
     play_and_pause();
-    count_lines(path, "pace 2 volume 7 full_screen 0", &count);
+    count_lines(path, "pace 2 volume 7 full_screen 0 picture 3", &count);
     assert_int_equal(count, 1);
-    const happening again[] = {{2, "+escape", 0, 0}, {4, "+down", 0, 0}, {5, "+left", 0, 0}, {12, "close", 0, 0}};
+    const happening again[] = {
+        {2, "+escape", 0, 0}, {3, "+down", 0, 0}, {4, "+down", 0, 0}, {5, "+left", 0, 0}, {12, "close", 0, 0}};
     PLAY(again);
     play_and_pause();
-    count_lines(path, "pace 1 volume 7 full_screen 0", &count);
+    count_lines(path, "pace 1 volume 7 full_screen 0 picture 3", &count);
+    assert_int_equal(count, 1);
+    /* A file of before pictures had a row. */
+    static const char old[] = "daft-save 1\npace 2 volume 6 full_screen 0\n";
+    daft_error error;
+    assert_true(daft_write_file(path, old, sizeof old - 1, &error));
+    PLAY(again);
+    play_and_pause();
+    count_lines(path, "pace 1 volume 6 full_screen 0 picture 0", &count);
     assert_int_equal(count, 1);
     /* What cannot be read is as if it had not been there. */
-    daft_error error;
     static const char wrong[] = "daft-save 1\npace 99 volume 7 full_screen 0\n";
     assert_true(daft_write_file(path, wrong, sizeof wrong - 1, &error));
     PLAY(again);
     play_and_pause();
-    count_lines(path, "pace 4 volume 8 full_screen 0", &count);
+    count_lines(path, "pace 4 volume 8 full_screen 0 picture 0", &count);
     assert_int_equal(count, 1);
+    drop_folder();
+}
+
+/* The player's quality is what pictures have, from the next one on; where the program was started with one, from the
+ * player's first change on. */
+static void the_player_chooses_the_picture(void **unused)
+{
+    (void)unused;
+    uint64_t seen[3];
+    make_folder();
+    for (int i = 0; i < 3; i++) {
+        const happening high[] = {{2, "+escape", 0, 0}, {3, "+down", 0, 0},   {3, "+right", 0, 0}, {4, "+right", 0, 0},
+                                  {5, "+right", 0, 0},  {6, "+escape", 0, 0}, {20, "close", 0, 0}};
+        const happening none[] = {{2, "+escape", 0, 0}, {6, "+escape", 0, 0}, {20, "close", 0, 0}};
+        if (i == 0)
+            PLAY(none);
+        else if (i == 1)
+            PLAY(high);
+        else
+            PLAY(none); /* it lasts */
+        s.def.quality.preset = QUALITY_OF_SCENE, s.def.target_ms = 0;
+        play_and_pause();
+        seen[i] = s.screen.hash;
+    }
+    assert_true(seen[1] != seen[0] && seen[2] == seen[1]);
     drop_folder();
 }
 
@@ -391,23 +425,12 @@ static void other_keys_are_chosen_in_the_menu(void **unused)
     (void)unused;
     int count;
     make_folder();
-    const happening script[] = {{3, "text a", 0, 0},
-                                {4, "+escape", 0, 0},
-                                {5, "+down", 0, 0},
-                                {6, "+down", 0, 0},
-                                {7, "+down", 0, 0},
-                                {8, "+down", 0, 0},
-                                {9, "+return", 0, 0},
-                                {10, "+return", 0, 0},
-                                {11, "+f1", 0, 0},
-                                {12, "+j", 0, 0},
-                                {13, "+escape", 0, 0},
-                                {14, "+escape", 0, 0},
-                                {20, "+j", 0, 0},
-                                {22, "-j", 0, 0},
-                                {24, "+space", 0, 0},
-                                {26, "-space", 0, 0},
-                                {30, "text \xc3\xa4", 0, 0},
+    const happening script[] = {{3, "text a", 0, 0},   {4, "+escape", 0, 0}, {5, "+down", 0, 0},
+                                {5, "+down", 0, 0},    {6, "+down", 0, 0},   {7, "+down", 0, 0},
+                                {8, "+down", 0, 0},    {9, "+return", 0, 0}, {10, "+return", 0, 0},
+                                {11, "+f1", 0, 0},     {12, "+j", 0, 0},     {13, "+escape", 0, 0},
+                                {14, "+escape", 0, 0}, {20, "+j", 0, 0},     {22, "-j", 0, 0},
+                                {24, "+space", 0, 0},  {26, "-space", 0, 0}, {30, "text \xc3\xa4", 0, 0},
                                 {40, "close", 0, 0}};
     PLAY(script);
     s.def.pauses = true, s.def.record = recorded, s.def.settings = folder;
@@ -420,10 +443,11 @@ static void other_keys_are_chosen_in_the_menu(void **unused)
     count_lines(recorded, "text 00e4", &count);
     assert_int_equal(count, 1);
     /* It lasts; and all is as at first again by the last row but one. */
-    const happening again[] = {{10, "+j", 0, 0},      {12, "-j", 0, 0},    {14, "+escape", 0, 0}, {15, "+down", 0, 0},
-                               {16, "+down", 0, 0},   {17, "+down", 0, 0}, {18, "+down", 0, 0},   {19, "+return", 0, 0},
-                               {20, "+up", 0, 0},     {21, "+up", 0, 0},   {22, "+return", 0, 0}, {23, "+escape", 0, 0},
-                               {24, "+escape", 0, 0}, {30, "+j", 0, 0},    {40, "close", 0, 0}};
+    const happening again[] = {
+        {10, "+j", 0, 0},      {12, "-j", 0, 0},      {14, "+escape", 0, 0}, {15, "+down", 0, 0},
+        {15, "+down", 0, 0},   {16, "+down", 0, 0},   {17, "+down", 0, 0},   {18, "+down", 0, 0},
+        {19, "+return", 0, 0}, {20, "+up", 0, 0},     {21, "+up", 0, 0},     {22, "+return", 0, 0},
+        {23, "+escape", 0, 0}, {24, "+escape", 0, 0}, {30, "+j", 0, 0},      {40, "close", 0, 0}};
     PLAY(again);
     s.def.pauses = true, s.def.record = recorded, s.def.settings = folder;
     assert_int_equal(play("actions"), SESSION_CLOSED);
@@ -866,6 +890,7 @@ int main(void)
                                        cmocka_unit_test(escape_pauses_and_the_game_stands_still),
                                        cmocka_unit_test(the_pause_menu_shows_itself_and_goes_by_mouse),
                                        cmocka_unit_test(settings_last),
+                                       cmocka_unit_test(the_player_chooses_the_picture),
                                        cmocka_unit_test(starting_again_is_replayed),
                                        cmocka_unit_test(other_keys_are_chosen_in_the_menu),
                                        cmocka_unit_test(saved_scripts_take_effect_while_the_game_runs),
