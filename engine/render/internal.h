@@ -208,8 +208,8 @@ static inline uint32_t daft_tile_columns(const daft_snapshot *s)
 }
 /* tile/corners.c: tasks. The first draws corners, for so many words; the second mixes pixels with them. */
 size_t daft_corner_words(const daft_frame *frame);
-void daft_corners_tile(void *context, uint32_t index, uint32_t worker);
-void daft_mix_tile(void *context, uint32_t index, uint32_t worker);
+void daft_corners_tile(void *context, uint32_t task, uint32_t worker);
+void daft_mix_tile(void *context, uint32_t task, uint32_t worker);
 /* tile/edges.c: tasks. The first draws what gets more samples, the second, when all tiles are done, shows it. */
 void daft_refine_tile(void *context, uint32_t index, uint32_t worker);
 void daft_show_edges(void *context, uint32_t index, uint32_t worker);

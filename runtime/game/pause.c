@@ -28,7 +28,7 @@ static const char *const PICTURES[] = {"as the game asks", "draft", "game", "hig
 quality_wish pause_quality(const player_settings *settings, const quality_wish *asked)
 {
     quality_wish wish = *asked;
-    if (settings->picture > 0) wish.preset = settings->picture - 1;
+    if (settings->picture > 0) wish.preset = (daft_preset)(settings->picture - 1);
     return wish;
 }
 

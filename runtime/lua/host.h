@@ -131,10 +131,10 @@ bool host_typed(host *state, int code);
 bool host_draw(host *state, const canvas *picture);
 /* Around drawing the scene: what daft.particles made is seen from this camera, `ahead` seconds of the game after the
  * last tick, and is not there for anybody else. */
-void host_show_particles(host *state, const daft_camera *camera, double ahead);
-void host_hide_particles(host *state);
+void host_show_particles(host *h, const daft_camera *camera, double ahead);
+void host_hide_particles(host *h);
 /* Moves them by so many seconds of the game: part of host_end_tick. */
-void host_step_particles(host *state, double dt);
+void host_step_particles(host *h, double dt);
 /* Of the picture in HUD units: within daft.draw of the one that is drawn, else as the input has it. */
 float host_width(const host *state);
 

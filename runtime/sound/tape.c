@@ -16,8 +16,10 @@ static void fill_header(uint8_t h[HEADER], uint64_t bytes)
 {
     const uint64_t most = UINT32_MAX - HEADER;
     if (bytes > most) bytes = most;
-    memcpy(h, "RIFF....WAVEfmt ", 16);
-    memcpy(h + 36, "data", 4);
+    static const uint8_t riff[16] = {'R', 'I', 'F', 'F', 0, 0, 0, 0, 'W', 'A', 'V', 'E', 'f', 'm', 't', ' '},
+                         data[4] = {'d', 'a', 't', 'a'};
+    memcpy(h, riff, sizeof riff);
+    memcpy(h + 36, data, sizeof data);
     put_le(h + 4, bytes + HEADER - 8, 4);
     put_le(h + 16, 16, 4);
     put_le(h + 20, 1, 2), put_le(h + 22, 2, 2);

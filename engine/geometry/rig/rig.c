@@ -84,7 +84,7 @@ bool daft_rig_points_make(const daft_allocator *allocator, daft_rig_points *poin
 void daft_rig_points_measure(daft_rig_points *points)
 {
     for (uint32_t i = 0; i < points->count; i++)
-        for (uint8_t k = 0; k < DAFT_RIG_WEIGHTS; k++) {
+        for (uint32_t k = 0; k < DAFT_RIG_WEIGHTS; k++) {
             uint8_t *most = &points->most[i / DAFT_RIG_BLOCK];
             if (points->weights[k][i] > 0 && *most < k + 1) *most = (uint8_t)(k + 1);
         }
