@@ -80,8 +80,8 @@ static bool add_folder(walk *w, const char *folder, int depth, daft_error *error
         const bool fits = snprintf(name, sizeof name, folder[0] ? "%s/%s" : "%s%s", folder, list.names[i]) < PATH_SIZE;
         const bool twice = i > 0 && strcmp(list.names[i], list.names[i - 1]) == 0;
         good = good && (!fits || twice || add_name(w, name, depth, error));
-        free(list.names[i]);
     }
+    for (size_t i = 0; i < list.count; i++) free(list.names[i]);
     free(list.names);
     return good;
 }
