@@ -152,7 +152,8 @@ check 'a test that failed is status 1' [ "$status" = 1 ]
 check 'the last line counts the cases' [ "$(tail -n 1 "$out/out")" = '3 passed, 1 failed' ]
 check 'slow tests are left out' grep -q 'ctest .* -R a|b .*-LE ^slow\$' "$log"
 run test --all --seed 7
-check 'unless all are wanted' [ "$(grep -c -e '-LE' "$log")" = 0 ]
+check 'unless all are wanted' [ "$(grep -c -e '-LE .*slow' "$log")" = 0 ]
+check 'which do what their samples do' grep -q -e '-LE ^sample\$' "$log"
 check 'random tests get their seed' grep -q 'ctest .* seed=7' "$log" && check 'and it is told' says err 'is 7'
 run test --seed fresh
 check 'a fresh seed is a number' grep -q 'ctest .* seed=[0-9][0-9]*$' "$log"

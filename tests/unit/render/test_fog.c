@@ -150,7 +150,7 @@ static void the_same_bytes_on_every_instruction_set(void **unused)
 {
     (void)unused;
     static uint8_t first[4 * PIXELS];
-    const char *const isas[] = {"sse2", NULL};
+    const char *const isas[] = {DAFT_NARROWEST_ISA, NULL};
     for (int k = 0; k < 2; k++) {
         stage *s = floor_stage(isas[k]);
         add_box(s, (daft_dvec3){9, 1, -3}, (daft_vec3){2, 2, 2}, 0.1f, 0.8f);
