@@ -3,9 +3,9 @@
 
 #include "cli/cli.h"
 #include "game/loop.h"
-#include "game/menu.h"
-#include "game/session.h"
-#include "game/costs.h"
+#include "session/menu.h"
+#include "session/session.h"
+#include "session/costs.h"
 #include "platform/seal.h"
 #include "common/util.h"
 #include "platform/audio.h"

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 enum { DEPTH = 8, NAMES = 1 << 16 };
 
@@ -52,11 +53,18 @@ typedef struct walk {
 
 static bool add_folder(walk *w, const char *folder, int depth, daft_error *error);
 
+/* A file that cannot be opened is an error and no folder: a hash without it would tell of a game that was changed. */
+static bool is_file(const walk *w, const char *name, char path[PATH_SIZE])
+{
+    struct stat status;
+    return daft_files_find(w->files, name, path, PATH_SIZE) || (lstat(path, &status) == 0 && S_ISREG(status.st_mode));
+}
+
 static bool add_name(walk *w, const char *name, int depth, daft_error *error)
 {
     char path[PATH_SIZE];
     if (snprintf(path, sizeof path, "%s/%s", w->root, name) >= (int)sizeof path) return true;
-    if (!daft_files_find(w->files, name, path, sizeof path)) return add_folder(w, name, depth + 1, error);
+    if (!is_file(w, name, path)) return add_folder(w, name, depth + 1, error);
     size_t size;
     char *bytes = daft_read_file(w->files, path, &size, error);
     if (!bytes) return false;
@@ -72,8 +80,9 @@ static bool add_folder(walk *w, const char *folder, int depth, daft_error *error
 {
     name_list list = {0};
     if (depth > DEPTH) return true;
-    daft_files_list(w->files, folder, keep, &list);
-    bool good = !list.lost || fail(error, DAFT_ERROR_MEMORY, "out of memory for the names of a game's files");
+    bool good = daft_files_list(w->files, folder, keep, &list) ||
+                fail_at(error, folder[0] ? folder : w->root, 0, 0, "cannot read the folder");
+    good = good && (!list.lost || fail(error, DAFT_ERROR_MEMORY, "out of memory for the names of a game's files"));
     if (list.count > 0) qsort(list.names, list.count, sizeof *list.names, compare);
     for (size_t i = 0; i < list.count; i++) {
         char name[PATH_SIZE];

@@ -1,7 +1,7 @@
-/* game: everything from one tick of a game to a session at a window.
- * Public headers: session.h menu.h game.h agree.h xray.h fingerprint.h recording.h loop.h governor.h costs.h ear.h
- * pause.h relive.h session.h plays a game on a platform, menu.h chooses one, recording.h reads and writes input, loop.h
- * is the fixed time step, and game.h (this) runs one game, tick by tick, without a window or a clock. One tick stores
+/* game: one tick of a game, and what plays it again, holds it in time and shows what it is.
+ * Public headers: game.h agree.h xray.h fingerprint.h recording.h loop.h governor.h ear.h pause.h relive.h.
+ * recording.h reads and writes input, loop.h is the fixed time step, and game.h (this) runs one game, tick by tick,
+ * without a window or a clock. One tick stores
  * the poses for interpolation, applies the input (live or recorded), calls daft.keypressed and daft.keyreleased, then
  * daft.update(1/60), then steps the simulation. Promises: the same recording gives the same ticks. After a script error
  * the game stops and keeps the message until it is reloaded. Callbacks, steps and pictures that take too long are

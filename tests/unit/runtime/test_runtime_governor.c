@@ -1,6 +1,6 @@
 /* game/governor: on a simulated clock, with machines whose rungs cost other than expected, steps, spikes, drifts and
  * noise of the load. */
-#include "game/costs.h"
+#include "session/costs.h"
 #include "game/governor.h"
 
 #include "support_content.h"

@@ -2,8 +2,8 @@
 #include "cli/commands.h"
 #include "common/util.h"
 #include "game/loop.h"
-#include "game/menu.h"
-#include "game/session.h"
+#include "session/menu.h"
+#include "session/session.h"
 #include "runtime_program.h"
 
 #include <setjmp.h>

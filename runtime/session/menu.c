@@ -1,5 +1,5 @@
 /* The list of games over a small scene: a chrome ball among coloured ones, seen from an orbiting camera. */
-#include "game/menu.h"
+#include "session/menu.h"
 
 #include "common/util.h"
 

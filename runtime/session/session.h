@@ -2,9 +2,9 @@
  * and E where a script has failed), the picture's size, recordings, hashes, pictures to files, and figures. The same
  * code runs with and without a window. Promises: Esc and the window's close button work at any time, also while a
  * callback does not come back; whatever ends the program early, the recording is saved up to the tick that had begun.
- */
-#ifndef RUNTIME_GAME_SESSION_H
-#define RUNTIME_GAME_SESSION_H
+ * Public headers: session.h menu.h costs.h. */
+#ifndef RUNTIME_SESSION_H
+#define RUNTIME_SESSION_H
 
 #include "game/game.h"
 #include "platform/editor.h"

@@ -1,7 +1,7 @@
 /* What pictures of a game cost on this machine, remembered from one session to the next: a small file for each game in
  * a folder of the user's cache. Where it cannot be read or written, nothing is remembered. */
-#ifndef RUNTIME_GAME_COSTS_H
-#define RUNTIME_GAME_COSTS_H
+#ifndef RUNTIME_SESSION_COSTS_H
+#define RUNTIME_SESSION_COSTS_H
 
 #include "game/governor.h"
 

@@ -1,8 +1,8 @@
 /* menu: the list of games in a window, over a small scene. Arrow keys, Return and the mouse choose. */
-#ifndef RUNTIME_GAME_MENU_H
-#define RUNTIME_GAME_MENU_H
+#ifndef RUNTIME_SESSION_MENU_H
+#define RUNTIME_SESSION_MENU_H
 
-#include "game/session.h"
+#include "session/session.h"
 
 typedef enum menu_end {
     MENU_CHOSEN,

@@ -1,5 +1,5 @@
 /* Files of costs: a line that says what it is, and a number for each rung. */
-#include "game/costs.h"
+#include "session/costs.h"
 
 #include "common/util.h"
 #include "files/home.h"

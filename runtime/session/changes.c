@@ -1,0 +1,41 @@
+/* Files that are saved while the game runs. */
+#include "session/state.h"
+
+#include "common/util.h"
+
+#include <stdio.h>
+
+/* What changed on the disk is what is played from here on. */
+bool session_take_changes(session *s, daft_error *error)
+{
+    platform *screen = s->def->screen;
+    const uint64_t now = screen->now_ns(screen);
+    if (s->notice_ns && now > s->notice_ns) s->notice[0] = 0, s->notice_ns = 0;
+    if (!s->def->watches || !watch_changed(&s->files, now)) return true;
+    game_state *fresh = s->play == s->games ? &s->games[1] : s->games;
+    daft_error why;
+    switch (relive(s->play, fresh, &s->past, s->notice, &why)) {
+    case RELIVE_DONE:
+        s->play = fresh, s->reported = false;
+        snprintf(s->notice, sizeof s->notice, "Reloaded");
+        s->notice_ns = now + 1500000000u;
+        daft_history_destroy(s->history);
+        s->history = daft_history_create(s->def->engine, error);
+        s->play->def.history = s->history;
+        break;
+    case RELIVE_LONG:
+        if (s->play->failed)
+            s->wants_reload = true;
+        else
+            session_restart(s);
+        snprintf(s->notice, sizeof s->notice, "Reloaded, from the start: it has been played for too long");
+        s->notice_ns = now + 4000000000u;
+        break;
+    case RELIVE_FAILED:
+        fprintf(stderr, "daft: %s\n", s->notice);
+        s->notice_ns = 0;
+        break;
+    }
+    s->last_ns += screen->now_ns(screen) - now; /* the time it took is not the game's */
+    return s->history != NULL;
+}

@@ -1,0 +1,104 @@
+/* state: what the parts of a session share. picture.c draws it, keys.c takes what the player does, changes.c what is
+ * saved to the game's files, replay.c and output.c are its files, and session.c runs them in turn. */
+#ifndef RUNTIME_SESSION_STATE_H
+#define RUNTIME_SESSION_STATE_H
+
+#include "session/session.h"
+
+#include "files/saves.h"
+#include "files/watch.h"
+#include "game/agree.h"
+#include "game/governor.h"
+#include "game/loop.h"
+#include "game/pause.h"
+#include "game/relive.h"
+#include "sound/tape.h"
+
+#include <stdatomic.h>
+
+typedef struct session {
+    const session_def *def;
+    session_def now; /* with the size of the scene's picture as the governor wants it */
+    const game_info *info;
+    const game_source *source;
+    governor pace;
+    bool governs;
+    double drawn_ms;            /* of the frame at work, and its updates */
+    bool reused;                /* parts of the picture were as before, so it says little about its quality */
+    game_state games[2], *play; /* the one that runs, and room for what takes its place */
+    trail past;
+    watch files;
+    char notice[HOST_MESSAGE]; /* of a change of the files, over the picture; or empty */
+    uint64_t notice_ns;        /* until when; 0: until it is right */
+    recording replay;
+    agreement agreed;
+    recorder *record;
+    tape sounds;
+    saves *kept, *own; /* the game's; the program's */
+    player_settings settings;
+    pause_menu pause;
+    key_map keys;                /* the player's */
+    window_wish granted;         /* the last; its icon is only compared */
+    bool redraws;                /* while it pauses: the picture is to change */
+    bool paced;                  /* the player has set something in this session */
+    daft_image *picture, *small; /* the window's; the scene's, where it has fewer pixels */
+    daft_history *history;
+    loop clock;
+    uint64_t last_ns, began_ns;
+    bool left, closed, overlay, xray, reported;
+    bool wants_reload, wants_shot, grabbed;
+    frame_times times;
+    double update_ms, frame_ms, turn_ms;      /* smoothed, for the overlay */
+    uint64_t hashed, drawn, shot_done, turns; /* ticks */
+    progress_bar bar;
+    _Atomic uint64_t polled_ns; /* when events were last taken */
+    atomic_bool leaving;        /* set by the watchdog's thread: Esc or the close button waits in the queue */
+} session;
+
+/* ---- picture.c ---- */
+
+/* Draws the game, or the error that stopped it. */
+bool session_draw(session *s, float alpha, daft_error *error);
+bool session_can_edit(const session *s);
+double session_smooth(double before, double now);
+
+/* ---- keys.c ---- */
+
+void session_take_events(session *s);
+/* A message over the picture, for two seconds. */
+void session_tell(session *s, const char *text);
+/* As if the game's key for a new start were pressed. */
+void session_restart(session *s);
+void session_apply(session *s);
+void session_load_keys(session *s);
+/* The player's, unless this session was started with one and the player has set nothing since. */
+quality_wish session_quality(const session *s);
+
+/* ---- changes.c ---- */
+
+/* What changed on the disk is what is played from here on. */
+bool session_take_changes(session *s, daft_error *error);
+
+/* ---- replay.c ---- */
+
+/* The recording that is played, and the one that is made. */
+bool session_open_replay(session *s, daft_error *error);
+/* Whether the replay still does what was recorded. */
+bool session_compare(session *s, daft_error *error);
+uint64_t session_last_tick(const session *s);
+double session_speed(const session *s);
+/* Updates that are due after so many nanoseconds. */
+int session_updates_due(session *s, uint64_t elapsed);
+/* Without a window no clock but this one holds a replay back. */
+void session_keep_pace(session *s);
+
+/* ---- output.c ---- */
+
+bool session_after_tick(session *s, daft_error *error);
+bool session_at_end(session *s, daft_error *error);
+/* Writes a picture to the current folder, named by the time. */
+void session_user_shot(session *s);
+/* Tells why the script has failed, once. */
+void session_report(session *s);
+
+#endif
