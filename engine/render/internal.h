@@ -65,7 +65,8 @@ typedef struct daft_scratch {
     daft_lanes3 sum;             /* of the tile's pixels that get more samples: their linear light, */
     uint32_t taken[DAFT_BATCH];  /* and how many they are */
     daft_seen_list fresh;        /* samples that are to be shaded, */
-    uint32_t wanted[DAFT_BATCH]; /* and, by their own places, those of their pixels in the tile */
+    uint32_t wanted[DAFT_BATCH]; /* and, by their own places, those of their pixels in the tile, */
+    float share[DAFT_BATCH];     /* and how many rays they speak for */
     uint64_t ticks[DAFT_EFFECT_COUNT];
     uint32_t tiles[DAFT_EFFECT_COUNT];
     uint64_t rays_cast[DAFT_EFFECT_COUNT];

@@ -41,6 +41,13 @@ static const knob_row TABLE[KNOBS] = {
 
 const knob_row *knob_at(size_t index) { return &TABLE[index]; }
 
+const knob_row *knob_named(const char *name)
+{
+    for (size_t k = 0; k < KNOBS; k++)
+        if (strcmp(TABLE[k].name, name) == 0) return &TABLE[k];
+    return NULL;
+}
+
 size_t knob_count(const knob_row *knob)
 {
     size_t count = 0;

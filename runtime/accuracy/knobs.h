@@ -12,6 +12,8 @@ typedef struct knob_row {
 } knob_row;
 
 const knob_row *knob_at(size_t index);
+/* NULL: there is none of that name. */
+const knob_row *knob_named(const char *name);
 size_t knob_count(const knob_row *knob);
 /* Whether the setting casts camera rays one by one: slow where there is much to hit. */
 bool knob_is_by_rays(const char *setting);

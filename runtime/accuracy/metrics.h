@@ -1,6 +1,6 @@
 /* accuracy: what accuracy costs. How far a picture is from its reference.
  * Promises: the errors are those of the published definitions, tested against other implementations of them.
- * Public headers: metrics.h knobs.h sweep.h report.h sim.h Inner headers: plot.h */
+ * Public headers: metrics.h knobs.h sweep.h report.h sim.h probe.h Inner headers: plot.h */
 #ifndef RUNTIME_ACCURACY_METRICS_H
 #define RUNTIME_ACCURACY_METRICS_H
 

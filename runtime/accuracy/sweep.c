@@ -254,6 +254,8 @@ static void add_qualities(sweep_result *s)
         const daft_quality quality = daft_preset_quality(preset);
         if (preset == s->def.preset)
             s->preset = s->count;
+        else if (s->def.knob)
+            continue;
         else if (quality.tree != DAFT_TREE_RASTER && too_slow(s, quality.samples * s->ray_seconds))
             continue;
         add_point(s, "quality", daft_preset_name(preset), &quality);
@@ -264,6 +266,7 @@ static bool add_singles(sweep_result *s, daft_error *error)
 {
     for (size_t k = 0; k < KNOBS; k++) {
         const knob_row *knob = knob_at(k);
+        if (s->def.knob && s->def.knob != knob) continue;
         for (size_t i = 0; i < knob_count(knob); i++) {
             daft_quality quality = preset_of(s);
             if (knob_is_by_rays(knob->settings[i]) && too_slow(s, quality.samples * s->ray_seconds)) continue;
@@ -463,7 +466,7 @@ static bool find_points(sweep_result *s, const uint8_t *reference, daft_error *e
     add_qualities(s);
     if (!add_singles(s, error) || !compare(s, 0, reference, error)) return false;
     const size_t singles = s->count;
-    return add_grid(s, error) && compare(s, singles, reference, error);
+    return s->def.knob || (add_grid(s, error) && compare(s, singles, reference, error));
 }
 
 static bool measure_moment(sweep_result *s, daft_error *error)

@@ -47,9 +47,10 @@ typedef struct sweep_def {
     daft_view view; /* of a scene: its camera; the quality is the preset's */
     daft_preset preset;
     int width, height;
-    double seconds; /* of wall time that all of it may take */
-    bool quick;     /* a smaller grid and a smaller reference */
-    int moments;    /* of a game; 0: the scene stands */
+    double seconds;       /* of wall time that all of it may take */
+    bool quick;           /* a smaller grid and a smaller reference */
+    const knob_row *knob; /* the only one to sweep, without combinations; NULL: all */
+    int moments;          /* of a game; 0: the scene stands */
     /* Takes the game to its next moment. */
     bool (*next)(void *user, daft_error *error);
     void *user;

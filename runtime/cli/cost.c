@@ -38,6 +38,7 @@ typedef struct cost_options {
     double budget, at;
     long camera, threads;
     bool quick, sim, no_pictures;
+    const char *knob; /* or NULL */
 } cost_options;
 
 static bool make_folder(const char *path, daft_error *error)
@@ -52,6 +53,7 @@ static void print_command(const cost_options *o, FILE *out)
     fprintf(out, "daft cost %s --budget %g --size %dx%d --quality %s", o->what, o->budget, o->size.width,
             o->size.height, daft_preset_name(o->quality));
     if (o->sim) fprintf(out, " --sim");
+    if (o->knob) fprintf(out, " --knob %s", o->knob);
     if (o->quick) fprintf(out, " --quick");
     if (o->no_pictures) fprintf(out, " --no-pictures");
     if (o->camera >= 0) fprintf(out, " --camera %ld", o->camera);
@@ -103,6 +105,7 @@ static bool measure(const cost_options *o, const sweep_def *what, daft_error *er
     def.width = o->size.width, def.height = o->size.height;
     def.seconds = o->quick ? QUICK_SECONDS : DEFAULT_SECONDS;
     def.quick = o->quick;
+    def.knob = o->knob ? knob_named(o->knob) : NULL;
     if (!try_folder(o, error) || !sweep_run(&all, &def, error)) return false;
     const bool good = write_report(o, &all, error);
     sweep_free(&all);
@@ -229,6 +232,14 @@ static int run(const cost_options *o)
     return good ? STATUS_DONE : report(&error);
 }
 
+static int refuse_knob(const char *name)
+{
+    char known[300] = "";
+    for (size_t k = 0, used = 0; k < KNOBS && used < sizeof known; k++)
+        used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", k ? ", " : "", knob_at(k)->name);
+    return cli_refuse("cost", "--knob: there is no '%s', but %s", name, known);
+}
+
 int command_cost(int argc, char **argv)
 {
     cost_options o = {.out = "cost", .quality = DAFT_PRESET_GAME, .budget = 16, .at = NAN, .camera = -1};
@@ -238,6 +249,8 @@ int command_cost(int argc, char **argv)
         {"sim", 0, CLI_FLAG, NULL, &o.sim, 0, 0,
          "of the game's simulation in place of its pictures: substeps and rates against 3,840 steps a second"},
         {"quick", 0, CLI_FLAG, NULL, &o.quick, 0, 0, "fewer combinations and a coarser reference, within 30 s"},
+        {"knob", 0, CLI_TEXT, "NAME", &o.knob, 0, 0,
+         "this knob alone, without combinations: antialiasing, shadows, ..."},
         {"no-pictures", 0, CLI_FLAG, NULL, &o.no_pictures, 0, 0, "a page of plots and tables alone, of 100 KB"},
         {"size", 0, CLI_SIZE, "WxH", &o.size, 16, 1920, "size of the picture (640x360; quick: 320x180)"},
         {"quality", 'q', CLI_QUALITY, "Q", &o.quality, 0, 0,
@@ -255,6 +268,7 @@ int command_cost(int argc, char **argv)
     if (o.sim && has_extension(o.what, ".scene"))
         return cli_refuse("cost", "--sim: a game expected, a scene has no bodies");
     if (o.size.width == 0) o.size = o.quick ? (cli_size){320, 180} : (cli_size){640, 360};
+    if (o.knob && !knob_named(o.knob)) return refuse_knob(o.knob);
     if (!(o.budget > 0)) return cli_refuse("cost", "--budget: a number above 0 expected");
     return run(&o);
 }

@@ -57,6 +57,14 @@ bool quality_parse(const char *list, daft_quality *quality, daft_error *error)
     return good;
 }
 
+bool quality_equal(const daft_quality *a, const daft_quality *b)
+{
+    uint8_t bytes[2][sizeof *a];
+    const size_t size = daft_struct_pack(DAFT_STRUCT_QUALITY, a, bytes[0], sizeof bytes[0]);
+    daft_struct_pack(DAFT_STRUCT_QUALITY, b, bytes[1], sizeof bytes[1]);
+    return memcmp(bytes[0], bytes[1], size) == 0;
+}
+
 daft_quality quality_choose(const quality_wish *wish, const daft_scene *scene)
 {
     daft_quality quality =

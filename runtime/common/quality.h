@@ -14,6 +14,8 @@ typedef struct quality_wish {
 /* Sets what the list names. A number may be a fraction: min_weight=1/64. Fails where a name or a value is none; the
  * quality is then as it was. */
 bool quality_parse(const char *list, daft_quality *quality, daft_error *error);
+/* Whether all knobs of two are the same. */
+bool quality_equal(const daft_quality *a, const daft_quality *b);
 /* The knobs have been checked. `scene` NULL: one that asks for nothing. */
 daft_quality quality_choose(const quality_wish *wish, const daft_scene *scene);
 

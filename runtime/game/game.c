@@ -188,28 +188,41 @@ static bool keep_drawing(void *user, float unused)
     return watchdog_look(user) <= WATCHDOG_RUNNING;
 }
 
-static bool render(game_state *state, daft_image *picture, float alpha)
+static daft_view view_of(const game_state *state, float alpha)
 {
-    static const char name[] = "drawing one picture";
     daft_view view = daft_default_view();
     view.camera = daft_scene_camera(state->scene, alpha);
     view.alpha = alpha;
     view.quality = quality_choose(&state->def.quality, state->scene);
     view.history = state->def.history;
     governor_apply(state->def.governor, &view);
-    /* Pictures of many samples are for files: they may take so many times as long. */
-    const double factor = view.quality.samples > 1 ? 12 : 1;
     view.progress = keep_drawing;
     view.progress_user = state->scripts.dog;
-    daft_error error;
+    return view;
+}
+
+typedef bool look_function(void *user, daft_scene *scene, const daft_view *view, daft_error *error);
+
+/* With what is shown in pictures alone, and under the watchdog. */
+static bool show(game_state *state, float alpha, look_function *look, void *user, daft_error *error)
+{
+    static const char name[] = "drawing one picture";
+    const daft_view view = view_of(state, alpha);
+    /* Pictures of many samples are for files: they may take so many times as long. */
+    const double factor = view.quality.samples > 1 ? 12 : 1;
     watchdog_begin(state->scripts.dog, name, factor);
     atomic_store(&state->rendering, true);
     host_show_particles(&state->scripts, &view.camera, ((double)alpha - 1) * state->scripts.scale / LOOP_RATE);
-    bool good = daft_render(state->scene, &view, picture, &error);
+    const bool good = look(user, state->scene, &view, error);
     host_hide_particles(&state->scripts);
     atomic_store(&state->alive_ns, clock_now_ns());
     atomic_store(&state->rendering, false);
-    return in_time(state, name) && (good || stop_with(state, "drawing", &error));
+    return in_time(state, name) && good;
+}
+
+static bool draw_to(void *user, daft_scene *scene, const daft_view *view, daft_error *error)
+{
+    return daft_render(scene, view, user, error);
 }
 
 bool game_draw(game_state *state, daft_image *picture, float alpha)
@@ -219,7 +232,16 @@ bool game_draw(game_state *state, daft_image *picture, float alpha)
 
 bool game_render(game_state *state, daft_image *picture, float alpha)
 {
-    return !state->failed && render(state, picture, alpha);
+    daft_error error;
+    if (state->failed) return false;
+    if (show(state, alpha, draw_to, picture, &error)) return true;
+    return state->failed ? false : stop_with(state, "drawing", &error);
+}
+
+bool game_show(game_state *state, float alpha, look_function *look, void *user, daft_error *error)
+{
+    *error = (daft_error){0};
+    return !state->failed && show(state, alpha, look, user, error);
 }
 
 bool game_draw_over(game_state *state, daft_image *picture)

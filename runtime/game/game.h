@@ -68,6 +68,10 @@ bool game_tick(game_state *state);
 bool game_draw(game_state *state, daft_image *picture, float alpha);
 /* The first half of it: the scene alone. */
 bool game_render(game_state *state, daft_image *picture, float alpha);
+/* Shows the scene as game_render would draw it to someone else, who draws something of it. False when the game has
+ * failed, or with the error that `look` gave. */
+bool game_show(game_state *state, float alpha, bool (*look)(void *user, daft_scene *, const daft_view *, daft_error *),
+               void *user, daft_error *error);
 /* The second: runs daft.draw over the picture. */
 bool game_draw_over(game_state *state, daft_image *picture);
 uint64_t game_hash(const game_state *state);

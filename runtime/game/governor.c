@@ -13,40 +13,110 @@
 #define OUTLIER  1.6 /* times the median: such a frame is slow for another reason than its picture */
 
 enum {
-    FULL = 6,
+    FULL = 9,
     SOON = 12, /* frames by which a jump of the load is told from a slow frame */
     LEARN = 15 /* frames after which a change is understood */
 };
 
-static const governor_rung RUNGS[GOVERNOR_RUNGS] = {
-    {"half size, plain", 0.5, 0, 1, false}, {"half size", 0.5, 4, 2, true},
-    {"60 % size", 0.6, 4, 2, true},         {"70 % size", 0.7, 4, 2, true},
-    {"80 % size", 0.8, 4, 2, true},         {"90 % size", 0.9, 4, 2, true},
-    [FULL] = {"full size", 1, 4, 2, true},  {"full size, all edges smooth", 1, 16, 3, true},
-};
+static const governor_rung RUNGS[GOVERNOR_RUNGS] = {{"half size, plain", 0.5, 0, 1, false},
+                                                    {"half size", 0.5, 4, 2, true},
+                                                    {"60 % size", 0.6, 4, 2, true},
+                                                    {"70 % size", 0.7, 4, 2, true},
+                                                    {"80 % size", 0.8, 4, 2, true},
+                                                    {"90 % size", 0.9, 4, 2, true},
+                                                    {"70 % size, hard light", 0.7, 4, 2, false},
+                                                    {"full size, hard light", 1, 4, 2, false},
+                                                    {"full size, plain edges", 1, 0, 2, true},
+                                                    [FULL] = {"full size", 1, 4, 2, true},
+                                                    {"full size, all edges smooth", 1, 16, 3, true}};
 
-/* What frames took on such rungs in this project's own games and scenes, in the mean. */
-static const double USUAL[GOVERNOR_RUNGS] = {0.22, 0.32, 0.43, 0.55, 0.69, 0.84, 1, 1.5};
+/* What frames took on such rungs in this project's own games and scenes, in the mean; and whether they are climbed
+ * before they have been surveyed. */
+static const double USUAL[GOVERNOR_RUNGS] = {0.22, 0.32, 0.43, 0.55, 0.69, 0.84, 0.5, 0.8, 0.9, 1, 1.5};
+static const bool CLIMBED[GOVERNOR_RUNGS] = {true, true, true, true, true, true, false, false, false, true, true};
 
 const governor_rung *governor_rung_at(int rung) { return &RUNGS[rung]; }
 
 int governor_full(void) { return FULL; }
 
-/* Costs rise from rung to rung, by something. */
-static void keep_order(double *cost)
+/* ---- the ladder -------------------------------------------------------------------------------------------------- */
+
+bool governor_is_surveyed(const governor *g)
 {
-    for (int i = FULL - 1; i >= 0; i--) cost[i] = fmin(fmax(cost[i], 0.02), cost[i + 1] * 0.98);
-    for (int i = FULL + 1; i < GOVERNOR_RUNGS; i++) cost[i] = fmin(fmax(cost[i], cost[i - 1] * 1.02), 20);
+    for (int i = 0; i < GOVERNOR_RUNGS; i++)
+        if (isnan(g->known.error[i])) return false;
+    return true;
 }
 
-void governor_begin(governor *g, double target_ms, const double *costs)
+static bool is_climbed(const governor *g, bool surveyed, int rung)
+{
+    const governor_costs *k = &g->known;
+    if (rung == FULL) return true;
+    if (!surveyed) return CLIMBED[rung];
+    for (int i = 0; i < GOVERNOR_RUNGS; i++) {
+        const bool as_good = k->error[i] <= k->error[rung], as_cheap = k->cost[i] <= k->cost[rung];
+        const bool better = k->error[i] < k->error[rung] || k->cost[i] < k->cost[rung] || i > rung;
+        if (i != rung && as_good && as_cheap && better) return false;
+    }
+    return true;
+}
+
+/* The rungs that are climbed, by what they cost. */
+static void build_ladder(governor *g)
+{
+    const bool surveyed = governor_is_surveyed(g);
+    g->rungs = 0;
+    for (int i = 0; i < GOVERNOR_RUNGS; i++) {
+        if (!is_climbed(g, surveyed, i)) continue;
+        int at = g->rungs++;
+        for (; at > 0 && g->known.cost[g->ladder[at - 1]] > g->known.cost[i]; at--) g->ladder[at] = g->ladder[at - 1];
+        g->ladder[at] = i;
+    }
+}
+
+/* Where on the ladder the rung stands, or the one below where it is none of it. */
+static int place_of(const governor *g, int rung)
+{
+    int place = 0;
+    for (int i = 0; i < g->rungs; i++) {
+        if (g->ladder[i] == rung) return i;
+        if (g->known.cost[g->ladder[i]] <= g->known.cost[rung]) place = i;
+    }
+    return place;
+}
+
+/* Costs rise from rung to rung of the ladder, by something. */
+static void keep_order(governor *g)
+{
+    double *cost = g->known.cost;
+    const int full = place_of(g, FULL), *l = g->ladder;
+    for (int i = full - 1; i >= 0; i--) cost[l[i]] = fmin(fmax(cost[l[i]], 0.02), cost[l[i + 1]] * 0.98);
+    for (int i = full + 1; i < g->rungs; i++) cost[l[i]] = fmin(fmax(cost[l[i]], cost[l[i - 1]] * 1.02), 20);
+}
+
+static bool is_cost(double cost) { return cost > 0 && cost < 20; }
+
+static void take_costs(governor *g, const governor_costs *costs)
+{
+    for (int i = 0; i < GOVERNOR_RUNGS; i++) {
+        g->known.cost[i] = costs && is_cost(costs->cost[i]) ? costs->cost[i] : USUAL[i];
+        g->known.error[i] = costs && costs->error[i] >= 0 && costs->error[i] <= 1 ? costs->error[i] : (double)NAN;
+    }
+    g->known.cost[FULL] = 1;
+    build_ladder(g);
+    keep_order(g);
+}
+
+void governor_begin(governor *g, double target_ms, const governor_costs *costs)
 {
     *g = (governor){.target_ms = target_ms, .rung = FULL, .hold_ms = HOLD, .before = FULL, .why = "the quality itself"};
-    for (int i = 0; i < GOVERNOR_RUNGS; i++) g->cost[i] = costs && costs[i] > 0 && costs[i] < 20 ? costs[i] : USUAL[i];
-    g->cost[FULL] = 1;
-    keep_order(g->cost);
+    take_costs(g, costs);
     g->since_ms = CHANGE;
 }
+
+void governor_survey(governor *g, const governor_costs *costs) { take_costs(g, costs); }
+
+/* ---- frames ------------------------------------------------------------------------------------------------------ */
 
 static int compare(const void *a, const void *b)
 {
@@ -80,14 +150,17 @@ static bool step_to(governor *g, int rung, const char *why)
 }
 
 /* What a frame that took `ms` here would take there. */
-static double expected(const governor *g, double ms, int rung) { return ms * g->cost[rung] / g->cost[g->rung]; }
+static double expected(const governor *g, double ms, int rung)
+{
+    return ms * g->known.cost[rung] / g->known.cost[g->rung];
+}
 
 /* The dearest rung below that is expected to keep the time. */
 static int rung_for(const governor *g, double ms)
 {
-    int rung = g->rung - 1;
-    while (rung > 0 && expected(g, ms, rung) > BUDGET * g->target_ms) rung--;
-    return rung;
+    int place = place_of(g, g->rung) - (g->ladder[place_of(g, g->rung)] == g->rung);
+    while (place > 0 && expected(g, ms, g->ladder[place]) > BUDGET * g->target_ms) place--;
+    return g->ladder[place];
 }
 
 /* Some time after a change it is known what it did. A step down often follows a jump of the load, which may go on: what
@@ -95,37 +168,40 @@ static int rung_for(const governor *g, double ms)
 static void learn(governor *g)
 {
     if (!(g->before_ms > 0) || g->frames < LEARN) return;
-    const double now = quantile(g, LEARN, 0.5), was = g->cost[g->rung] / g->cost[g->before];
+    double *cost = g->known.cost;
+    const double now = quantile(g, LEARN, 0.5), here = cost[g->rung], was = here / cost[g->before];
     const double found = fmin(fmax(now / g->before_ms, was / 2), was * 2);
-    const bool below = g->rung < g->before;
+    const bool below = was < 1;
     const double factor = below ? sqrt(found / was) : found / was;
     /* The rungs on the far side move with it: what was learned of one step tells of the next ones. */
     for (int i = 0; i < GOVERNOR_RUNGS; i++)
-        if (below ? i <= g->rung : i >= g->rung) g->cost[i] *= factor;
-    const double full = g->cost[FULL];
-    for (int i = 0; i < GOVERNOR_RUNGS; i++) g->cost[i] /= full;
-    keep_order(g->cost);
+        if (below ? cost[i] <= here : cost[i] >= here) cost[i] *= factor;
+    const double full = cost[FULL];
+    for (int i = 0; i < GOVERNOR_RUNGS; i++) cost[i] /= full;
+    keep_order(g);
     g->before_ms = 0;
 }
 
 static bool step_down(governor *g)
 {
-    if (g->rung == 0 || g->since_ms < CHANGE) return false;
+    if (g->rung == g->ladder[0] || g->since_ms < CHANGE) return false;
     const double soon = quantile(g, SOON, 0.5), slow = governor_slow_ms(g), budget = BUDGET * g->target_ms;
     const bool loaded = g->frames >= SOON && soon > budget;
     const bool often = g->frames >= GOVERNOR_FRAMES && slow > g->target_ms;
     if (!loaded && !often) return false;
     /* A rung that was climbed to in vain is not tried again so soon. */
-    if (g->rung > g->before && g->since_ms < 10 * CHANGE) g->hold_ms = fmin(2 * g->hold_ms, HOLD_MAX);
+    if (g->known.cost[g->rung] > g->known.cost[g->before] && g->since_ms < 10 * CHANGE)
+        g->hold_ms = fmin(2 * g->hold_ms, HOLD_MAX);
     return step_to(g, rung_for(g, loaded ? soon * 1.12 : slow),
                    loaded ? "frames took longer than asked" : "one frame in twenty took longer than asked");
 }
 
 static bool step_up(governor *g)
 {
-    if (g->rung == GOVERNOR_RUNGS - 1 || g->since_ms < g->hold_ms || g->frames < GOVERNOR_FRAMES) return false;
-    if (expected(g, governor_slow_ms(g), g->rung + 1) > ROOM * g->target_ms) return false;
-    return step_to(g, g->rung + 1, "there is time for a better picture");
+    const int next = place_of(g, g->rung) + 1;
+    if (next == g->rungs || g->since_ms < g->hold_ms || g->frames < GOVERNOR_FRAMES) return false;
+    if (expected(g, governor_slow_ms(g), g->ladder[next]) > ROOM * g->target_ms) return false;
+    return step_to(g, g->ladder[next], "there is time for a better picture");
 }
 
 bool governor_frame(governor *g, double work_ms, double turn_ms)
@@ -138,17 +214,20 @@ bool governor_frame(governor *g, double work_ms, double turn_ms)
     return step_down(g) || step_up(g);
 }
 
+void governor_set(int rung, daft_quality *q)
+{
+    const governor_rung *r = &RUNGS[rung];
+    if (rung > FULL) {
+        if (q->samples == 1 && q->edge_samples < r->edge_samples) q->edge_samples = r->edge_samples;
+        if (q->mirror_depth < r->mirror_depth) q->mirror_depth = r->mirror_depth;
+    }
+    if (rung >= FULL) return; /* those after it are better */
+    if (q->edge_samples > r->edge_samples) q->edge_samples = r->edge_samples;
+    if (q->mirror_depth > r->mirror_depth) q->mirror_depth = r->mirror_depth;
+    if (!r->sampled) q->shadow_samples = q->occlusion_samples = q->glossy_samples = 0;
+}
+
 void governor_apply(const governor *g, daft_view *view)
 {
-    if (!g) return;
-    const governor_rung *rung = &RUNGS[g->rung];
-    daft_quality *q = &view->quality;
-    if (g->rung > FULL) {
-        if (q->samples == 1 && q->edge_samples < rung->edge_samples) q->edge_samples = rung->edge_samples;
-        if (q->mirror_depth < rung->mirror_depth) q->mirror_depth = rung->mirror_depth;
-    }
-    if (g->rung >= FULL) return;
-    if (q->edge_samples > rung->edge_samples) q->edge_samples = rung->edge_samples;
-    if (q->mirror_depth > rung->mirror_depth) q->mirror_depth = rung->mirror_depth;
-    if (!rung->sampled) q->shadow_samples = q->occlusion_samples = q->glossy_samples = 0;
+    if (g) governor_set(g->rung, &view->quality);
 }

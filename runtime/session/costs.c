@@ -1,14 +1,16 @@
-/* Files of costs: a line that says what it is, and a number for each rung. */
+/* Files of costs: a line that says what it is, and for each rung its cost and its error, or -1 where it is not known.
+ */
 #include "session/costs.h"
 
 #include "common/util.h"
 #include "files/home.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const char HEAD[] = "daft frame costs 1\n";
+static const char HEAD[] = "daft frame costs 2\n";
 
 bool costs_folder(char *out, size_t size) { return home_user_folder("XDG_CACHE_HOME", ".cache", out, size); }
 
@@ -21,20 +23,22 @@ static bool path_of(const char *folder, const char *game, char out[PATH_SIZE])
     return length > 0 && length < PATH_SIZE;
 }
 
-static bool parse(const char *text, double costs[GOVERNOR_RUNGS])
+static bool parse(const char *text, governor_costs *out)
 {
     if (strncmp(text, HEAD, sizeof HEAD - 1) != 0) return false;
     const char *at = text + sizeof HEAD - 1;
     for (int i = 0; i < GOVERNOR_RUNGS; i++) {
-        char *end;
-        costs[i] = strtod(at, &end);
-        if (end == at || !(costs[i] > 0 && costs[i] < 20)) return false;
-        at = end;
+        char *end, *last;
+        out->cost[i] = strtod(at, &end);
+        out->error[i] = strtod(end, &last);
+        if (end == at || last == end || !(out->cost[i] > 0 && out->cost[i] < 20)) return false;
+        if (!(out->error[i] >= 0 && out->error[i] <= 1)) out->error[i] = (double)NAN;
+        at = last;
     }
     return true;
 }
 
-bool costs_load(const char *folder, const char *game, double costs[GOVERNOR_RUNGS])
+bool costs_load(const char *folder, const char *game, governor_costs *out)
 {
     char path[PATH_SIZE];
     daft_error ignored;
@@ -42,18 +46,19 @@ bool costs_load(const char *folder, const char *game, double costs[GOVERNOR_RUNG
     if (!path_of(folder, game, path)) return false;
     char *text = daft_read_file(NULL, path, &size, &ignored); /* ends with a 0 */
     if (!text) return false;
-    const bool good = parse(text, costs);
+    const bool good = parse(text, out);
     free(text);
     return good;
 }
 
-void costs_save(const char *folder, const char *game, const double costs[GOVERNOR_RUNGS])
+void costs_save(const char *folder, const char *game, const governor_costs *costs)
 {
     char path[PATH_SIZE], text[1024];
     daft_error ignored;
     if (!path_of(folder, game, path)) return;
     size_t size = (size_t)snprintf(text, sizeof text, "%s", HEAD);
     for (int i = 0; i < GOVERNOR_RUNGS; i++)
-        size += (size_t)snprintf(text + size, sizeof text - size, "%.4f\n", costs[i]);
+        size += (size_t)snprintf(text + size, sizeof text - size, "%.4f %.5f\n", costs->cost[i],
+                                 isnan(costs->error[i]) ? -1 : costs->error[i]);
     daft_write_file(path, text, size, &ignored);
 }

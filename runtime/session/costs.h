@@ -8,7 +8,7 @@
 /* The user's folder for it, made where it is missing; false: there is none. */
 bool costs_folder(char *out, size_t size);
 /* `folder` may be NULL. False: nothing is known. */
-bool costs_load(const char *folder, const char *game, double costs[GOVERNOR_RUNGS]);
-void costs_save(const char *folder, const char *game, const double costs[GOVERNOR_RUNGS]);
+bool costs_load(const char *folder, const char *game, governor_costs *out);
+void costs_save(const char *folder, const char *game, const governor_costs *costs);
 
 #endif

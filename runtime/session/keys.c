@@ -140,6 +140,7 @@ static void handle_session_key(session *s, int key)
     const char *name = input_key_name(key);
     if (strcmp(name, "escape") == 0) s->left = true;
     if (strcmp(name, "f1") == 0) s->overlay = !s->overlay;
+    if (strcmp(name, "f2") == 0) session_toggle_prices(s);
     if (strcmp(name, "f3") == 0) s->xray = !s->xray;
     if (strcmp(name, "f12") == 0) s->wants_shot = true;
     if (s->play->failed) handle_failure_key(s, name);

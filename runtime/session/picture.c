@@ -72,6 +72,8 @@ static bool draw_game(session *s, float alpha, daft_error *error)
 {
     const bool fewer = s->now.scale < s->def->scale;
     if (fewer && !session_fit_picture(&s->now, &s->small, error)) return false;
+    if (!s->pause.open) session_survey(s, alpha);
+    session_measure_prices(s, fewer ? s->small : s->picture, alpha);
     if (!game_render(s->play, fewer ? s->small : s->picture, alpha)) return false;
     if (fewer) canvas_stretch(s->small, s->picture);
     if (s->xray) {
@@ -79,6 +81,7 @@ static bool draw_game(session *s, float alpha, daft_error *error)
         const daft_camera camera = daft_scene_camera(s->play->scene, alpha);
         xray_draw(&over, s->play->scene, &camera);
     }
+    if (s->priced) session_draw_prices(s);
     if (s->overlay) draw_overlay(s);
     return game_draw_over(s->play, s->picture);
 }

@@ -85,9 +85,9 @@ static void govern(session *s, double elapsed)
     const double target = target_of(s), spent = s->drawn_ms;
     s->drawn_ms = 0;
     if (target != (s->governs ? s->pace.target_ms : 0)) {
-        double costs[GOVERNOR_RUNGS];
-        const bool known = costs_load(s->def->costs, s->info->name, costs);
-        governor_begin(&s->pace, target, s->governs ? s->pace.cost : known ? costs : NULL);
+        governor_costs costs = s->pace.known;
+        const bool known = s->governs || costs_load(s->def->costs, s->info->name, &costs);
+        governor_begin(&s->pace, target, known ? &costs : NULL);
         s->governs = target > 0;
     } else if (s->governs && spent > 0 && !s->play->failed && !(s->reused && spent < target)) {
         governor_frame(&s->pace, spent, elapsed);
@@ -142,6 +142,7 @@ static bool turn_paused(session *s, daft_error *error)
         if (!s->play->failed) pause_draw(&s->pause, &over, s->def->face, s->info->title);
         s->redraws = false, s->drawn_ms = 0;
     }
+    session_survey(s, loop_alpha(&s->clock));
     if (screen->wants_frame(screen) && !screen->present(screen, s->picture, error)) return false;
     screen->end_frame(screen);
     return true;
@@ -278,7 +279,8 @@ session_end session_play(const session_def *def, const game_info *info, daft_err
     s.source = def->source ? def->source : &own;
     good = good && run(&s, error);
     if (!leave(&s, good ? error : NULL)) good = false;
-    if (s.governs && s.pace.changes) costs_save(def->costs, info->name, s.pace.cost);
+    if (s.governs && (s.pace.changes || governor_is_surveyed(&s.pace)))
+        costs_save(def->costs, info->name, &s.pace.known);
     bool failed = s.play->failed && (def->screen->headless || s.play->over);
     if (s.play->scene || s.play->scripts.L) game_close(s.play);
     daft_history_destroy(s.history);
@@ -290,6 +292,9 @@ session_end session_play(const session_def *def, const game_info *info, daft_err
     recording_free(&s.replay);
     daft_image_destroy(s.picture);
     daft_image_destroy(s.small);
+    probe_end(&s.prices);
+    daft_image_destroy(s.survey.whole);
+    daft_image_destroy(s.survey.reference);
     frame_times_free(&s.times);
     trail_free(&s.past);
     if (!good || failed) return SESSION_FAILED;

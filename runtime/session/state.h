@@ -5,6 +5,7 @@
 
 #include "session/session.h"
 
+#include "accuracy/probe.h"
 #include "files/saves.h"
 #include "files/watch.h"
 #include "game/agree.h"
@@ -15,6 +16,15 @@
 #include "sound/tape.h"
 
 #include <stdatomic.h>
+
+/* Measures of the governor's rungs (survey.c). */
+enum { SURVEY_ROUNDS = 5 };
+typedef struct rung_survey {
+    daft_image *whole, *reference;
+    int next; /* measure: rung + GOVERNOR_RUNGS · round */
+    int wait; /* frames until it */
+    double ms[GOVERNOR_RUNGS][SURVEY_ROUNDS], error[GOVERNOR_RUNGS][SURVEY_ROUNDS];
+} rung_survey;
 
 typedef struct session {
     const session_def *def;
@@ -46,6 +56,10 @@ typedef struct session {
     loop clock;
     uint64_t last_ns, began_ns;
     bool left, closed, overlay, xray, reported;
+    bool priced; /* F2: the panel of prices is open */
+    probe prices;
+    uint64_t prices_rest_ns; /* until when the next measure waits */
+    rung_survey survey;
     bool wants_reload, wants_shot, grabbed;
     frame_times times;
     double update_ms, frame_ms, turn_ms;      /* smoothed, for the overlay */
@@ -61,6 +75,20 @@ typedef struct session {
 bool session_draw(session *s, float alpha, daft_error *error);
 bool session_can_edit(const session *s);
 double session_smooth(double before, double now);
+
+/* ---- prices.c ---- */
+
+/* F2 opens and closes the panel of prices. */
+void session_toggle_prices(session *s);
+/* Before a picture is drawn: measures what another setting would cost in it. */
+void session_measure_prices(session *s, daft_image *picture, float alpha);
+void session_draw_prices(session *s);
+
+/* ---- survey.c ---- */
+
+/* Before a picture is drawn, or while the game pauses: measures one rung of the governor's where there is time for it.
+ */
+void session_survey(session *s, float alpha);
 
 /* ---- keys.c ---- */
 

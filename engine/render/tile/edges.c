@@ -3,9 +3,10 @@
  * parts: instances stay in their bins, and rays that nobody asks for count as hidden, so that trees are walked for what
  * is left.
  *
- * Beside an outline, where another instance begins, all rays of the finer grid are asked what they see; what one of the
- * nine pixels around sees as well has that pixel's colour, so that most rays cost a coverage test and nothing else.
- * Elsewhere (a shadow's edge, a crease, a mirror image) a quarter of the rays are shaded like any others.
+ * Beside an outline, where another triangle begins, all rays of the finer grid are asked what they see, which costs a
+ * coverage test. Of those that see the same, one in three is shaded and speaks for the others; the pixel's first sample
+ * is one of them. Colours of the pixels around would cost less, but are wrong where a shadow, a crease or a mirror
+ * image ends at the outline. Elsewhere (a shadow's edge, a mirror image) a quarter of the rays are shaded.
  *
  * Results wait in a picture of their own until no tile looks at its neighbours any more. */
 #include "render/tile/tile.h"
@@ -13,9 +14,13 @@
 #include <string.h>
 
 /* Steps of a byte between neighbours. Textures are filtered already, so that a surface may vary by more. */
-static const daft_contrast LIMIT = {.outline = 24, .crease = 48, .inner = 48};
+static const daft_contrast LIMIT = {.outline = 24, .crease = 24, .inner = 24};
 
-enum { SHADED = 4 }; /* rays a side of a pixel, from which on some are shaded where no outline is near */
+enum {
+    SHADED = 4,   /* rays a side of a pixel, from which on some are shaded where no outline is near */
+    SPOKEN = 3,   /* rays that see the same, for each that is shaded */
+    TRIANGLES = 6 /* that a pixel sees, above which rays go together by instances */
+};
 /* Of a pixel's rays, by rows: those that are shaded where no outline is near. A rotated grid. */
 #define FEW_OF_16 0x4182u
 
@@ -55,20 +60,6 @@ static bool find_edges(tile_job *j, daft_neighbours *around, daft_edges *edges)
     return any != 0;
 }
 
-/* Places of the nine pixels around one: its own first, then those beside it. */
-static const int AROUND[9][2] = {{0, 0}, {-1, 0}, {1, 0}, {0, -1}, {0, 1}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}};
-
-/* Which of them sees what a ray sees: one with the same triangle, or else with the same instance. -1: none. */
-static int which_sees(const uint32_t ids[9], uint32_t id)
-{
-    int same = -1;
-    for (int k = 0; k < 9; k++) {
-        if (ids[k] == id) return k;
-        if (same < 0 && ids[k] >> DAFT_ID_INSTANCE == id >> DAFT_ID_INSTANCE) same = k;
-    }
-    return same;
-}
-
 /* ---- a part ------------------------------------------------------------------------------------------------------ */
 
 /* The rays of a pixel that are asked, bit i of row k at bit k · scale + i. */
@@ -104,10 +95,10 @@ static bool ask(refinement *r)
 
 static float clamp_unit(float x) { return x > 0 ? (x < 1 ? x : 1) : 0; }
 
-static void add(daft_scratch *s, uint32_t at, float x, float y, float z)
+/* Light that speaks for so many rays. */
+static void add(daft_scratch *s, uint32_t at, float x, float y, float z, float rays)
 {
-    s->sum.x[at] += clamp_unit(x), s->sum.y[at] += clamp_unit(y), s->sum.z[at] += clamp_unit(z);
-    s->taken[at]++;
+    s->sum.x[at] += rays * clamp_unit(x), s->sum.y[at] += rays * clamp_unit(y), s->sum.z[at] += rays * clamp_unit(z);
 }
 
 static void shade_fresh(refinement *r)
@@ -117,44 +108,89 @@ static void shade_fresh(refinement *r)
     for (uint32_t i = 0; i < s->fresh.count; i++) {
         const uint32_t from = s->fresh.pixel[i];
         const daft_lanes3 *color = r->j->color;
-        add(s, s->wanted[from], color->x[from], color->y[from], color->z[from]);
+        add(s, s->wanted[from], color->x[from], color->y[from], color->z[from], s->share[from]);
     }
     s->fresh.count = 0;
 }
 
-static void add_known(refinement *r, int x, int y, const uint32_t counts[9])
-{
-    daft_scratch *s = r->j->s;
-    const int at = y * DAFT_TILE + x;
-    for (int k = 0; k < 9; k++) {
-        if (!counts[k]) continue;
-        const uint8_t *pixel = r->around.pixel + 4 * ((y + AROUND[k][1]) * r->around.stride + x + AROUND[k][0]);
-        float light[3], count = (float)counts[k];
-        r->j->r->shade->decode(pixel, 1, &light[0], &light[1], &light[2]);
-        s->sum.x[at] += light[0] * count, s->sum.y[at] += light[1] * count, s->sum.z[at] += light[2] * count;
-        s->taken[at] += counts[k];
-    }
-}
+/* Those of a pixel's rays that see the same. */
+typedef struct group {
+    uint32_t id, count, place[16];
+} group;
 
-/* The rays of a pixel of the part: each has the colour of a pixel around, or is to be shaded. */
-static void take(refinement *r, int x, int y, uint32_t rays)
+typedef struct seen_rays {
+    uint32_t at, own; /* the pixel in the tile, and what its first sample saw */
+    uint32_t count, id[16], place[16];
+} seen_rays;
+
+static seen_rays rays_seen(const refinement *r, int x, int y, uint32_t rays)
 {
-    daft_scratch *s = r->j->s;
-    const bool outline = bit(r->edges.outline, r->left + x, r->top + y);
-    uint32_t counts[9] = {0}, ids[9];
-    for (int k = 0; outline && k < 9; k++)
-        ids[k] = r->around.id[(r->top + y + AROUND[k][1]) * r->around.id_stride + r->left + x + AROUND[k][0]];
+    const daft_tile *tile = &r->j->s->tile;
+    const int px = r->left + x, py = r->top + y;
+    seen_rays seen = {.at = (uint32_t)(py * DAFT_TILE + px), .own = r->around.id[py * r->around.id_stride + px]};
     for (; rays; rays &= rays - 1) {
         const int ray = __builtin_ctz(rays), row = y * r->scale + ray / r->scale,
                   column = x * r->scale + ray % r->scale;
         const uint32_t place = (uint32_t)(row * DAFT_TILE_STRIDE + column);
-        int known = outline ? which_sees(ids, daft_pixel_id(s->tile.instance[place], s->tile.triangle[place])) : -1;
-        if (known >= 0)
-            counts[known]++;
-        else
-            daft_fresh_add(r->j, &r->pencil, place, (uint32_t)((r->top + y) * DAFT_TILE + r->left + x));
+        seen.place[seen.count] = place;
+        seen.id[seen.count++] = daft_pixel_id(tile->instance[place], tile->triangle[place]);
     }
-    add_known(r, r->left + x, r->top + y, counts);
+    return seen;
+}
+
+/* How many groups there are: ids are compared without their lower bits. */
+static uint32_t group_rays(const seen_rays *seen, int bits, group out[16])
+{
+    uint32_t groups = 0;
+    for (uint32_t i = 0; i < seen->count; i++) {
+        const uint32_t id = seen->id[i] >> bits;
+        uint32_t k = 0;
+        while (k < groups && out[k].id != id) k++;
+        if (k == groups) out[groups++] = (group){.id = id};
+        out[k].place[out[k].count++] = seen->place[i];
+    }
+    return groups;
+}
+
+static void shade_later(refinement *r, uint32_t place, uint32_t at, float rays)
+{
+    daft_scratch *s = r->j->s;
+    daft_fresh_add(r->j, &r->pencil, place, at);
+    s->share[s->fresh.pixel[s->fresh.count - 1]] = rays;
+}
+
+/* What the pixel's first sample saw speaks for so many rays. */
+static void add_own(refinement *r, uint32_t at, float rays)
+{
+    const int x = (int)at % DAFT_TILE, y = (int)at / DAFT_TILE;
+    float light[3];
+    r->j->r->shade->decode(r->around.pixel + 4 * (y * r->around.stride + x), 1, &light[0], &light[1], &light[2]);
+    add(r->j->s, at, light[0], light[1], light[2], rays);
+}
+
+/* Some of the group, spread over it. */
+static void take_group(refinement *r, const group *g, uint32_t at, bool has_own)
+{
+    const uint32_t some = (g->count + SPOKEN - 1) / SPOKEN, fresh = some - has_own;
+    const float share = (float)g->count / (float)some;
+    if (has_own) add_own(r, at, share);
+    for (uint32_t i = 0; i < fresh; i++) shade_later(r, g->place[(i * g->count + g->count / 2) / fresh], at, share);
+}
+
+/* The rays of a pixel of the part. */
+static void take(refinement *r, int x, int y, uint32_t rays)
+{
+    const seen_rays seen = rays_seen(r, x, y, rays);
+    r->j->s->taken[seen.at] += seen.count;
+    if (!bit(r->edges.outline, r->left + x, r->top + y)) {
+        for (uint32_t i = 0; i < seen.count; i++) shade_later(r, seen.place[i], seen.at, 1);
+        return;
+    }
+    group groups[16];
+    int bits = 0;
+    uint32_t count = group_rays(&seen, bits, groups);
+    if (count > TRIANGLES) count = group_rays(&seen, bits = DAFT_ID_INSTANCE, groups);
+    for (uint32_t k = 0; k < count; k++) take_group(r, &groups[k], seen.at, groups[k].id == seen.own >> bits);
 }
 
 static void refine_part(refinement *r, int number)

@@ -29,6 +29,12 @@ static double chance(machine *m)
     return (double)(m->state >> 11) * 0x1p-53;
 }
 
+/* What a rung costs beside another, really. */
+static double between(machine *m, int rung, int other)
+{
+    return pow(m->g.known.cost[rung] / m->g.known.cost[other], 0.67 + 0.66 * chance(m));
+}
+
 static machine *machine_make(uint64_t seed, double load)
 {
     machine *m = calloc(1, sizeof *m);
@@ -36,11 +42,14 @@ static machine *machine_make(uint64_t seed, double load)
     m->state = 0x9e3779b97f4a7c15u * (seed + 1), m->load = load, m->noise = 0.05;
     governor_begin(&m->g, TARGET, NULL);
     /* Rungs of which each is up to a third nearer to the next, or farther away, than expected. */
-    m->cost[governor_full()] = 1;
-    for (int i = governor_full() - 1; i >= 0; i--)
-        m->cost[i] = m->cost[i + 1] * pow(m->g.cost[i] / m->g.cost[i + 1], 0.67 + 0.66 * chance(m));
-    for (int i = governor_full() + 1; i < GOVERNOR_RUNGS; i++)
-        m->cost[i] = m->cost[i - 1] * pow(m->g.cost[i] / m->g.cost[i - 1], 0.67 + 0.66 * chance(m));
+    const governor *g = &m->g;
+    int full = 0;
+    while (g->ladder[full] != governor_full()) full++;
+    for (int i = 0; i < GOVERNOR_RUNGS; i++) m->cost[i] = g->known.cost[i];
+    for (int i = full - 1; i >= 0; i--)
+        m->cost[g->ladder[i]] = m->cost[g->ladder[i + 1]] * between(m, g->ladder[i], g->ladder[i + 1]);
+    for (int i = full + 1; i < g->rungs; i++)
+        m->cost[g->ladder[i]] = m->cost[g->ladder[i - 1]] * between(m, g->ladder[i], g->ladder[i - 1]);
     return m;
 }
 
@@ -191,48 +200,107 @@ static void costs_are_remembered(void **unused)
 {
     (void)unused;
     char folder[] = "/tmp/daft-costs-XXXXXX", path[64];
-    double known[GOVERNOR_RUNGS];
+    governor_costs known;
     assert_non_null(mkdtemp(folder));
-    assert_false(costs_load(folder, "marble", known));
+    assert_false(costs_load(folder, "marble", &known));
     int first_time = 0, second_time = 0;
     for (uint64_t seed = 0; seed < 20; seed++) {
         machine *m = machine_make(seed, 24), *again = machine_make(seed, 24);
-        for (int i = 0; i < GOVERNOR_RUNGS; i++) m->cost[i] = again->cost[i] = pow(m->g.cost[i], 0.45);
+        for (int i = 0; i < GOVERNOR_RUNGS; i++) m->cost[i] = again->cost[i] = pow(m->g.known.cost[i], 0.45);
         run(m, 3600);
-        costs_save(folder, "marble", m->g.cost);
-        assert_true(costs_load(folder, "marble", known));
-        assert_false(costs_load(folder, "another", known));
-        for (int i = 0; i < GOVERNOR_RUNGS; i++) assert_true(fabs(known[i] - m->g.cost[i]) < 1e-3);
-        governor_begin(&again->g, TARGET, known);
+        costs_save(folder, "marble", &m->g.known);
+        assert_true(costs_load(folder, "marble", &known));
+        assert_false(costs_load(folder, "another", &known));
+        for (int i = 0; i < GOVERNOR_RUNGS; i++) {
+            assert_true(fabs(known.cost[i] - m->g.known.cost[i]) < 1e-3);
+            assert_true(isnan(known.error[i]));
+        }
+        governor_begin(&again->g, TARGET, &known);
         run(again, 3600);
         first_time += slow_frames(m, 0, 300), second_time += slow_frames(again, 0, 300);
         free(m), free(again);
     }
     print_message("slow frames: %d at the first start, %d at the second\n", first_time, second_time);
     assert_true(4 * second_time < 3 * first_time);
-    assert_false(costs_load("/nowhere", "marble", known) || costs_load(NULL, "marble", known));
+    assert_false(costs_load("/nowhere", "marble", &known) || costs_load(NULL, "marble", &known));
     DIR *all = opendir(folder);
     assert_non_null(all);
     for (const struct dirent *e; (e = readdir(all));) {
         if (e->d_name[0] == '.') continue;
         snprintf(path, sizeof path, "%s/%.32s", folder, e->d_name);
         FILE *file = fopen(path, "wb"); /* what is not such a file is not believed */
-        fputs("daft frame costs 1\n0.5\n-1\n", file);
+        fputs("daft frame costs 2\n0.5 0.1\n-1 0\n", file);
         fclose(file);
-        assert_false(costs_load(folder, "marble", known));
+        assert_false(costs_load(folder, "marble", &known));
         unlink(path);
     }
     closedir(all);
     rmdir(folder);
 }
 
+/* Surveyed rungs: the ladder is the front of cost and error, cheapest first, whatever the machine; the rung of the
+ * quality itself is always one of it. */
+static void the_ladder_is_the_front(void **unused)
+{
+    (void)unused;
+    for (uint64_t seed = 0; seed < 200; seed++) {
+        machine *m = machine_make(seed, 12);
+        governor_costs k;
+        for (int i = 0; i < GOVERNOR_RUNGS; i++) k.cost[i] = 0.1 + 2 * chance(m), k.error[i] = 0.3 * chance(m);
+        k.cost[governor_full()] = 1;
+        assert_false(governor_is_surveyed(&m->g));
+        governor_survey(&m->g, &k);
+        assert_true(governor_is_surveyed(&m->g));
+        bool on[GOVERNOR_RUNGS] = {false};
+        for (int i = 0; i < m->g.rungs; i++) on[m->g.ladder[i]] = true;
+        for (int i = 0; i < GOVERNOR_RUNGS; i++) {
+            bool beaten = false;
+            for (int j = 0; j < GOVERNOR_RUNGS; j++) beaten |= k.cost[j] < k.cost[i] && k.error[j] < k.error[i];
+            assert_int_equal(on[i], !beaten || i == governor_full());
+        }
+        for (int i = 1; i < m->g.rungs; i++)
+            assert_true(m->g.known.cost[m->g.ladder[i]] > m->g.known.cost[m->g.ladder[i - 1]]);
+        memcpy(m->cost, m->g.known.cost, sizeof m->cost);
+        m->load = 25; /* and it is climbed: rungs that others beat are never chosen */
+        run(m, 1200);
+        check_calm(m);
+        for (int i = 0; i < m->frames; i++) assert_true(on[m->rung[i]]);
+        free(m);
+    }
+}
+
+/* A rung that others beat, on which it stands as the survey ends, is left with the next change. */
+static void a_beaten_rung_is_left(void **unused)
+{
+    (void)unused;
+    machine *m = machine_make(3, 26);
+    run(m, 300);
+    const int stood = m->g.rung;
+    assert_true(stood != governor_full());
+    governor_costs k = m->g.known;
+    for (int i = 0; i < GOVERNOR_RUNGS; i++) k.error[i] = 0.2 / (i + 1);
+    for (int i = 0; i < GOVERNOR_RUNGS; i++)
+        if (i != stood && k.cost[i] < k.cost[stood]) k.error[i] = 0.001, k.error[stood] = 0.3;
+    governor_survey(&m->g, &k);
+    m->load = 60;
+    run(m, 300);
+    assert_true(m->g.rung != stood);
+    m->load = 5;
+    run(m, 3000);
+    for (int i = 600; i < m->frames; i++) assert_true(m->rung[i] != stood);
+    free(m);
+}
+
 static void nonsense_is_harmless(void **unused)
 {
     (void)unused;
-    const double bad[GOVERNOR_RUNGS] = {NAN, -1, 0, 1e300, INFINITY, 3, 2, 1};
+    const governor_costs bad = {{NAN, -1, 0, 1e300, INFINITY, 3, 2, 1}, {NAN, -1, 2, INFINITY}};
     governor g;
-    governor_begin(&g, TARGET, bad);
-    for (int i = 1; i < GOVERNOR_RUNGS; i++) assert_true(g.cost[i] > g.cost[i - 1] && g.cost[i] < 100);
+    governor_begin(&g, TARGET, &bad);
+    for (int i = 1; i < g.rungs; i++) {
+        const double *cost = g.known.cost;
+        assert_true(cost[g.ladder[i]] > cost[g.ladder[i - 1]] && cost[g.ladder[i]] < 100);
+    }
     assert_false(governor_frame(&g, NAN, 16));
     assert_false(governor_frame(&g, 5, -1));
     for (int i = 0; i < 500; i++) governor_frame(&g, i % 7 ? 1e12 : 0, 16);
@@ -249,6 +317,8 @@ int main(void)
         cmocka_unit_test(nothing_swings),
         cmocka_unit_test(what_no_rung_keeps_is_drawn_on_the_cheapest),
         cmocka_unit_test(costs_are_remembered),
+        cmocka_unit_test(the_ladder_is_the_front),
+        cmocka_unit_test(a_beaten_rung_is_left),
         cmocka_unit_test(nonsense_is_harmless),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -2,6 +2,7 @@
 #include "cli/commands.h"
 #include "common/util.h"
 #include "game/loop.h"
+#include "session/costs.h"
 #include "session/menu.h"
 #include "session/session.h"
 #include "runtime_program.h"
@@ -276,6 +277,26 @@ static void f3_draws_the_shapes_of_bodies(void **unused)
     assert_true(hashes[0] != hashes[1] && hashes[0] == hashes[2]);
 }
 
+/* The panel of prices covers part of the picture while it is open, and the game goes on as without it. */
+static void f2_shows_what_settings_cost(void **unused)
+{
+    (void)unused;
+    static const happening none[] = {{60, "close", 0, 0}}, once[] = {{5, "+f2", 0, 0}, {60, "close", 0, 0}},
+                           twice[] = {{5, "+f2", 0, 0}, {50, "+f2", 0, 0}, {60, "close", 0, 0}};
+    uint64_t hashes[3];
+    const struct {
+        const happening *script;
+        size_t count;
+    } runs[] = {{none, 1}, {once, 2}, {twice, 3}};
+    for (int i = 0; i < 3; i++) {
+        set_up(runs[i].script, runs[i].count);
+        assert_int_equal(play("physics"), SESSION_CLOSED);
+        hashes[i] = s.screen.hash;
+        tear_down();
+    }
+    assert_true(hashes[0] != hashes[1] && hashes[0] == hashes[2]);
+}
+
 /* ---- the pause menu ---- */
 
 static void make_folder(void)
@@ -354,6 +375,30 @@ static void the_pause_menu_shows_itself_and_goes_by_mouse(void **unused)
     assert_int_equal(play_and_pause(), SESSION_CLOSED);
     assert_in_range(ticks_recorded(), 20, 28);
     drop_folder();
+}
+
+/* In a few seconds of play, or behind the menu, all rungs of the governor are measured; the figures are kept. */
+static void the_rungs_are_surveyed(void **unused)
+{
+    (void)unused;
+    const happening plays[] = {{900, "close", 0, 0}}, pauses[] = {{5, "+escape", 0, 0}, {120, "close", 0, 0}};
+    for (int i = 0; i < 2; i++) {
+        make_folder();
+        if (i)
+            PLAY(pauses);
+        else
+            PLAY(plays);
+        s.def.pauses = true, s.def.settings = folder, s.def.costs = folder, s.def.target_ms = 400;
+        governor_costs known;
+        assert_false(costs_load(folder, "physics", &known));
+        assert_int_equal(play("physics"), SESSION_CLOSED);
+        tear_down();
+        assert_true(costs_load(folder, "physics", &known));
+        for (int k = 0; k < GOVERNOR_RUNGS; k++) assert_true(known.cost[k] > 0 && known.error[k] >= 0);
+        /* Half of the pixels, without smooth edges, are farther from the reference than all of them. */
+        assert_true(known.error[0] > known.error[governor_full()]);
+        drop_folder();
+    }
 }
 
 static void settings_last(void **unused)
@@ -886,6 +931,8 @@ static void a_menu_without_games_can_be_left(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(f3_draws_the_shapes_of_bodies),
+                                       cmocka_unit_test(f2_shows_what_settings_cost),
+                                       cmocka_unit_test(the_rungs_are_surveyed),
                                        cmocka_unit_test(escape_leaves_and_the_window_closes),
                                        cmocka_unit_test(escape_pauses_and_the_game_stands_still),
                                        cmocka_unit_test(the_pause_menu_shows_itself_and_goes_by_mouse),
