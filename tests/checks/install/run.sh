@@ -41,3 +41,7 @@ fi
 
 "$prefix/moved/bin/daft" play marble --headless --ticks 60 --hash >"$prefix/out" || fail "the installed game does not play"
 grep '^tick 60 ' "$prefix/out" || fail "the installed game printed no state"
+if [ -e "$build/daft_film.so" ]; then # with whatever encoders this FFmpeg has: GIF is one that all have
+    "$prefix/moved/bin/daft" video "$prefix/moved/share/daft/assets/scenes/hello.scene" -o "$prefix/film.gif" \
+        --to 0.2 --size 32x18 || fail "the installed program does not find its module for films"
+fi

@@ -1,8 +1,7 @@
 /* Frames of sound to packets, with FFmpeg's libavcodec. */
-#include "video/soundtrack.h"
+#include "video/encode/ffmpeg.h"
 
 #include "common/util.h"
-#include "video/encode/track.h"
 
 #include <libavutil/channel_layout.h>
 #include <stdlib.h>
@@ -27,7 +26,7 @@ static int set_up(soundtrack *self, const AVCodec *codec)
     return code < 0 ? code : av_frame_get_buffer(self->frame, 0);
 }
 
-soundtrack *soundtrack_open(video_format format, daft_error *error)
+soundtrack *ffmpeg_soundtrack_open(video_format format, daft_error *error)
 {
     const char *name = format == VIDEO_MP4 ? "aac" : "libopus";
     av_log_set_level(AV_LOG_ERROR);
@@ -40,7 +39,7 @@ soundtrack *soundtrack_open(video_format format, daft_error *error)
     const int code = self ? set_up(self, codec) : AVERROR(ENOMEM);
     if (code >= 0) return self;
     ffmpeg_fail(error, "sound", code);
-    soundtrack_close(self);
+    ffmpeg_soundtrack_close(self);
     return NULL;
 }
 
@@ -81,7 +80,7 @@ static void put(AVFrame *frame, int at, const int16_t sides[2])
     }
 }
 
-bool soundtrack_add(soundtrack *self, const int16_t *frames, uint32_t count, daft_error *error)
+bool ffmpeg_soundtrack_add(soundtrack *self, const int16_t *frames, uint32_t count, daft_error *error)
 {
     for (uint32_t i = 0; i < count; i++) {
         put(self->frame, self->filled++, &frames[(size_t)2 * i]);
@@ -91,7 +90,7 @@ bool soundtrack_add(soundtrack *self, const int16_t *frames, uint32_t count, daf
     return true;
 }
 
-bool soundtrack_finish(soundtrack *self, daft_error *error)
+bool ffmpeg_soundtrack_finish(soundtrack *self, daft_error *error)
 {
     int code = self->filled ? send(self) : 0;
     if (code >= 0) code = avcodec_send_frame(self->codec, NULL);
@@ -99,7 +98,7 @@ bool soundtrack_finish(soundtrack *self, daft_error *error)
     return code >= 0 || ffmpeg_fail(error, "sound", code);
 }
 
-void soundtrack_close(soundtrack *self)
+void ffmpeg_soundtrack_close(soundtrack *self)
 {
     if (!self) return;
     avcodec_free_context(&self->codec);

@@ -1,9 +1,7 @@
 /* Packets to a file, with FFmpeg's libavformat, through the safe writer. */
-#include "video/encode/encoder.h"
+#include "video/encode/ffmpeg.h"
 
 #include "common/util.h"
-#include "video/encode/ffmpeg.h"
-#include "video/encode/track.h"
 
 #include <libavformat/avformat.h>
 
@@ -77,7 +75,7 @@ static int open_format(muxer *self, const video_def *def, const AVCodecContext *
     return code;
 }
 
-muxer *muxer_open(const video_def *def, daft_error *error)
+muxer *ffmpeg_muxer_open(const video_def *def, daft_error *error)
 {
     muxer *self = calloc(1, sizeof *self);
     AVCodecContext *codec = NULL;
@@ -90,7 +88,7 @@ muxer *muxer_open(const video_def *def, daft_error *error)
     if (self && codec) self->frame = codec->time_base;
     avcodec_free_context(&codec);
     if (good) return self;
-    muxer_abandon(self);
+    ffmpeg_muxer_abandon(self);
     return NULL;
 }
 
@@ -125,7 +123,7 @@ static int write_sound(muxer *self, int64_t frame)
     return code;
 }
 
-bool muxer_add(muxer *self, const packet_list *clip, uint64_t start, daft_error *error)
+bool ffmpeg_muxer_add(muxer *self, const packet_list *clip, uint64_t start, daft_error *error)
 {
     packet head;
     size_t at = 0;
@@ -149,13 +147,13 @@ static void drop(muxer *self)
     self->format = NULL;
 }
 
-bool muxer_commit(muxer *self, daft_error *error)
+bool ffmpeg_muxer_commit(muxer *self, daft_error *error)
 {
     int code = write_sound(self, INT32_MAX);
     if (code >= 0) code = av_write_trailer(self->format);
     avio_flush(self->format->pb);
     if (code < 0) {
-        muxer_abandon(self);
+        ffmpeg_muxer_abandon(self);
         return ffmpeg_fail(error, "writing the video", code);
     }
     drop(self);
@@ -164,7 +162,7 @@ bool muxer_commit(muxer *self, daft_error *error)
     return good;
 }
 
-void muxer_abandon(muxer *self)
+void ffmpeg_muxer_abandon(muxer *self)
 {
     if (!self) return;
     drop(self);

@@ -1,5 +1,7 @@
-/* Messages by MPI. Sends are under way until the library says otherwise, so their bytes are kept in a list. */
-#include "many/many.h"
+/* daft_mpi.so: messages by MPI. Sends are under way until the library says otherwise, so their bytes are kept in a
+ * list.
+ */
+#include "many/module.h"
 
 #include "common/util.h"
 
@@ -15,8 +17,9 @@ typedef struct sending {
     uint8_t *bytes;
 } sending;
 
-struct many {
-    int rank, count, threads;
+struct mpi_job {
+    MPI_Request all; /* the barrier before the end, once `leaving` */
+    bool leaving;
     sending *sends;
     size_t send_count, send_capacity;
 };
@@ -39,29 +42,22 @@ static int share_of_processors(void)
     return threads < 1 ? 1 : (int)threads;
 }
 
-many *many_join(daft_error *error)
+static mpi_job *join(int *rank, int *count, int *threads)
 {
-    many *self = calloc(1, sizeof *self);
+    mpi_job *self = calloc(1, sizeof *self);
     int given;
     if (!self || MPI_Init_thread(NULL, NULL, MPI_THREAD_FUNNELED, &given) != MPI_SUCCESS) {
         free(self);
-        fail(error, DAFT_ERROR_MEMORY, "MPI cannot be started");
         return NULL;
     }
-    MPI_Comm_rank(MPI_COMM_WORLD, &self->rank);
-    MPI_Comm_size(MPI_COMM_WORLD, &self->count);
-    self->threads = share_of_processors();
+    MPI_Comm_rank(MPI_COMM_WORLD, rank);
+    MPI_Comm_size(MPI_COMM_WORLD, count);
+    *threads = share_of_processors();
     return self;
 }
 
-int many_rank(const many *self) { return self->rank; }
-
-int many_count(const many *self) { return self->count; }
-
-int many_threads(const many *self) { return self->threads; }
-
 /* Forgets the sends that have left. */
-static void reap(many *self)
+static void reap(mpi_job *self)
 {
     size_t kept = 0;
     for (size_t i = 0; i < self->send_count; i++) {
@@ -81,7 +77,7 @@ static void give_up(const char *why)
     MPI_Abort(MPI_COMM_WORLD, STATUS_BAD_INPUT);
 }
 
-void many_send_own(many *self, int to, int kind, uint8_t *bytes, size_t size)
+static void send_own(mpi_job *self, int to, int kind, uint8_t *bytes, size_t size)
 {
     if (self->send_count == self->send_capacity) {
         size_t capacity = self->send_capacity ? 2 * self->send_capacity : 64;
@@ -94,15 +90,7 @@ void many_send_own(many *self, int to, int kind, uint8_t *bytes, size_t size)
     MPI_Isend(bytes, (int)size, MPI_BYTE, to, kind, MPI_COMM_WORLD, &next->request);
 }
 
-void many_send(many *self, int to, int kind, const void *bytes, size_t size)
-{
-    uint8_t *copy = malloc(size > 0 ? size : 1);
-    if (!copy) give_up("out of memory for messages to other processes");
-    if (size > 0) memcpy(copy, bytes, size);
-    many_send_own(self, to, kind, copy, size);
-}
-
-bool many_receive(many *self, many_message *out)
+static bool receive(mpi_job *self, many_message *out)
 {
     MPI_Message message;
     MPI_Status status;
@@ -119,24 +107,27 @@ bool many_receive(many *self, many_message *out)
 }
 
 /* Nobody wants these any more, but who sent them waits until they have gone. */
-static void drop_messages(many *self)
+static void drop_messages(mpi_job *self)
 {
-    for (many_message m; many_receive(self, &m);) free(m.bytes);
+    for (many_message m; receive(self, &m);) free(m.bytes);
 }
 
-/* A process that waits in MPI keeps a processor busy: this one looks, and sleeps. */
-void many_leave(many *self)
+/* A process that waits in MPI keeps a processor busy: this looks, and the caller sleeps. */
+static bool leave(mpi_job *self)
 {
-    if (!self) return;
-    MPI_Request all;
-    int asked = 0, here = 0;
-    while (!here) {
-        drop_messages(self);
-        if (!asked && self->send_count == 0) MPI_Ibarrier(MPI_COMM_WORLD, &all), asked = 1;
-        if (asked) MPI_Test(&all, &here, MPI_STATUS_IGNORE);
-        if (!here) many_pause();
+    int here = 0;
+    drop_messages(self);
+    if (!self->leaving && self->send_count == 0) {
+        MPI_Ibarrier(MPI_COMM_WORLD, &self->all);
+        self->leaving = true;
     }
+    if (self->leaving) MPI_Test(&self->all, &here, MPI_STATUS_IGNORE);
+    if (!here) return false;
     MPI_Finalize();
     free(self->sends);
     free(self);
+    return true;
 }
+
+DAFT_API const mpi_module daft_mpi = {
+    .join = join, .send_own = send_own, .receive = receive, .leave = leave, .give_up = give_up};
