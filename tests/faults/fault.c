@@ -5,9 +5,9 @@
  *   DAFT_FAULT_FD=FD      one byte is written there when the first fault strikes
  *
  * Kinds: malloc (calloc, realloc, posix_memalign, aligned_alloc and strdup too), open, read, write, rename, fsync,
- * mmap, thread, clock (the monotonic clock jumps an hour ahead), back (an hour back). Calls count from main() on, as
- * libraries end the process where their constructors find no memory. Calls that the C library makes within itself are
- * not seen. */
+ * mmap, thread, clock (the monotonic clock jumps an hour ahead), back (an hour back). Calls count from main() on, and
+ * not while a library is loaded, as libraries end the process where their constructors find no memory or files. Calls
+ * that the C library makes within itself are not seen. */
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -34,6 +34,7 @@ static bool go_on;
 static int report_to = -1;
 static atomic_long calls;
 static atomic_bool struck;
+static _Thread_local bool loading; /* a library */
 
 static void report(void)
 {
@@ -43,7 +44,7 @@ static void report(void)
 /* Whether this call is to fail. */
 static bool strikes(kind which)
 {
-    if (which != wanted) return false;
+    if (which != wanted || loading) return false;
     long number = atomic_fetch_add(&calls, 1) + 1;
     if (number < strike_at || (number > strike_at && !go_on)) return false;
     report();
@@ -94,6 +95,17 @@ int __libc_start_main(main_function *start, int argc, char **argv, void (*before
 {
     program = start;
     return ((start_function *)next("__libc_start_main"))(armed_main, argc, argv, before, after, loader, stack);
+}
+
+/* ---- libraries ---- */
+
+void *dlopen(const char *file, int mode)
+{
+    const bool before = loading;
+    loading = true;
+    void *library = ((void *(*)(const char *, int))next("dlopen"))(file, mode);
+    loading = before;
+    return library;
 }
 
 /* ---- memory ---- */
