@@ -656,6 +656,9 @@ function material:set(options) end
 
 ---Loads a mesh, or makes one: positions is a list of {x, y, z}, triangles of {a, b, c} counted from 1,
 ---counter-clockwise seen from the front; normals and uvs are optional, one a position.
+---{text = "HELLO", size = 1, depth = 0.2, align = "center", font =}: letters of that height and depth, in metres,
+---seen from +z; the last line stands on y = 0, and x = 0 is its middle, "left" or "right" end. The same text and
+---sizes give the same mesh.
 ---@param options string|table
 ---@return daft.mesh
 function daft.mesh(options) end
