@@ -66,6 +66,13 @@ static void save_keys(session *s)
     if (!saves_put(s->own, name_of_keys(s, name), text, &error)) report(&error);
 }
 
+/* The game hears that nothing is held any longer. */
+static void let_go(session *s)
+{
+    s->held = (held_inputs){.stick = {0}};
+    input_push_release_all(&s->play->keys);
+}
+
 /* ---- the pause menu ---- */
 
 static void open_pause(session *s)
@@ -74,7 +81,7 @@ static void open_pause(session *s)
     if (screen->full_screen) s->settings.full_screen = screen->full_screen(screen, -1);
     s->pause.actions = &s->play->scripts.actions, s->pause.keys = &s->keys;
     pause_open(&s->pause);
-    input_push_release_all(&s->play->keys);
+    let_go(s);
     s->redraws = true;
 }
 
@@ -147,12 +154,13 @@ static void handle_session_key(session *s, int key)
 
 /* ---- events ---- */
 
-/* What the player does, by the game's keys. */
-static void push_translated(session *s, input_event event)
+/* What the player does, by the game's keys and sticks. */
+static void push_translated(session *s, const input_event *event)
 {
-    if (event.kind == INPUT_TEXT && !s->play->scripts.text) return;
-    if (event.kind == INPUT_KEY) event.key = s->keys.to[event.key];
-    if (event.kind != INPUT_KEY || event.key != KEY_MAP_NONE) input_push(&s->play->keys, &event);
+    if (event->kind == INPUT_TEXT && !s->play->scripts.text) return;
+    input_event asked[KEY_MAP_EVENTS];
+    const int count = key_map_translate(&s->keys, &s->held, event, asked);
+    for (int i = 0; i < count; i++) input_push(&s->play->keys, &asked[i]);
 }
 
 static void take_input(session *s, const input_event *event)
@@ -163,7 +171,7 @@ static void take_input(session *s, const input_event *event)
         open_pause(s);
     } else {
         if (event->kind == INPUT_KEY && event->down) handle_session_key(s, event->key);
-        push_translated(s, *event);
+        push_translated(s, event);
     }
 }
 
@@ -173,7 +181,7 @@ void session_take_events(session *s)
     for (platform_event event; screen->poll(screen, &event);) {
         switch (event.kind) {
         case PLATFORM_CLOSE: s->closed = true; break;
-        case PLATFORM_FOCUS_LOST: input_push_release_all(&s->play->keys); break;
+        case PLATFORM_FOCUS_LOST: let_go(s); break;
         case PLATFORM_DROP: break;
         case PLATFORM_INPUT:
             session_scale_mouse(screen, &event.input);

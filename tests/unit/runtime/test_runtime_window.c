@@ -24,8 +24,8 @@
 
 typedef struct happening {
     uint64_t frame;
-    const char *key; /* "+left", "-left", "focus", "close", "click" at x, y, "size" x by y, "text " and a letter, or
-                        "write " and a script */
+    const char *key; /* "+left", "-left", "~left x" to x, "focus", "close", "click" at x, y, "size" x by y, "text " and
+                        a letter, or "write " and a script */
     float x, y;
 } happening;
 
@@ -84,6 +84,9 @@ static bool poll_script(platform *self, platform_event *out)
     } else if (strncmp(now->key, "text ", 5) == 0) {
         const char *letter = now->key + 5;
         out->input = (input_event){.kind = INPUT_TEXT, .key = (int)utf8_next(&letter)};
+    } else if (now->key[0] == '~') {
+        out->input = (input_event){.kind = INPUT_STICK, .key = input_stick_find(now->key + 1), .x = now->x};
+        assert_true(out->input.key >= 0);
     } else if (strcmp(now->key, "size") == 0) {
         p->width = (int)now->x, p->height = (int)now->y;
         return poll_script(self, out);
@@ -456,6 +459,60 @@ static void other_keys_are_chosen_in_the_menu(void **unused)
     assert_int_equal(count, 1);
     count_lines(recorded, "+j", &count);
     assert_int_equal(count, 1);
+    drop_folder();
+}
+
+/* "jump" by the left trigger, and "walk" by the right stick, the other way round: the recording has what the game asked
+ * for, and its replay does the same. */
+static void sticks_are_chosen_in_the_menu(void **unused)
+{
+    (void)unused;
+    static char output[OUTPUT_SIZE];
+    int count;
+    make_folder();
+    const happening script[] = {{4, "+escape", 0, 0},
+                                {5, "+down", 0, 0},
+                                {5, "+down", 0, 0},
+                                {6, "+down", 0, 0},
+                                {7, "+down", 0, 0},
+                                {8, "+down", 0, 0},
+                                {9, "+return", 0, 0},
+                                {10, "+return", 0, 0},
+                                {11, "~left trigger", 0.3f, 0},
+                                {12, "~left trigger", 0.9f, 0},
+                                {13, "~left trigger", 0, 0},
+                                {14, "+up", 0, 0},
+                                {14, "+up", 0, 0},
+                                {15, "+up", 0, 0},
+                                {16, "+return", 0, 0},
+                                {17, "+x", 0, 0},
+                                {18, "~right trigger", 1, 0},
+                                {19, "~right x", -0.8f, 0},
+                                {20, "+escape", 0, 0},
+                                {21, "+escape", 0, 0},
+                                {30, "~left trigger", 0.55f, 0},
+                                {32, "~left trigger", 0.45f, 0},
+                                {34, "~left trigger", 0.3f, 0},
+                                {36, "~right x", -0.5f, 0},
+                                {38, "~right x", 0.25f, 0},
+                                {39, "+space", 0, 0},
+                                {40, "~left x", 1, 0},
+                                {50, "close", 0, 0}};
+    PLAY(script);
+    s.def.pauses = true, s.def.record = recorded, s.def.settings = folder;
+    assert_int_equal(play("actions"), SESSION_CLOSED);
+    tear_down();
+    static const struct {
+        const char *line;
+        int count;
+    } WANTED[] = {{"+space", 1},  {"-space", 1}, {"stick 0.5 left x", 1}, {"stick -0.25 left x", 1},
+                  {"trigger", 0}, {"right x", 0}};
+    for (size_t i = 0; i < COUNT_OF(WANTED); i++) {
+        count_lines(recorded, WANTED[i].line, &count);
+        if (count != WANTED[i].count) fail_msg("'%s' is recorded %d times", WANTED[i].line, count);
+    }
+    assert_status(run_daft(output, "play tests/games/actions --headless --hash --strict --replay %s", recorded), 0,
+                  output);
     drop_folder();
 }
 
@@ -893,6 +950,7 @@ int main(void)
                                        cmocka_unit_test(the_player_chooses_the_picture),
                                        cmocka_unit_test(starting_again_is_replayed),
                                        cmocka_unit_test(other_keys_are_chosen_in_the_menu),
+                                       cmocka_unit_test(sticks_are_chosen_in_the_menu),
                                        cmocka_unit_test(saved_scripts_take_effect_while_the_game_runs),
                                        cmocka_unit_test(wrong_scripts_leave_the_old_ones_running),
                                        cmocka_unit_test(a_game_that_began_again_is_relived_from_there),
