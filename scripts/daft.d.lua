@@ -766,6 +766,7 @@ function daft.camera.along(points, seconds, pace) end
 function daft.camera.checkpoints() end
 
 ---Keys have SDL's names in lower case: "a", "left", "space", "return", "left shift", "f1", "mouse1".
+---Letters, digits and signs are places: "a" is where a US keyboard has its A; daft.input.label tells what is there.
 ---@param key string
 ---@return boolean
 function daft.input.down(key) end
@@ -782,7 +783,7 @@ function daft.input.released(key) end
 
 ---Names what the player does, by up to 8 keys, buttons and sticks: daft.input.bind("walk", "right", "-left",
 ---"left x"). A key counts as 1, with a minus before it as -1; of a stick, "+left x" is the right half. down,
----pressed and released take an action's name too. The pause menu lets players choose other keys.
+---pressed and released take an action's name too. The pause menu lets players choose others.
 ---@param action string
 ---@param input string
 ---@param ... any
@@ -793,10 +794,17 @@ function daft.input.bind(action, input, ...) end
 ---@return number
 function daft.input.action(action) end
 
----The player's key for it, to be shown: it differs from player to player, so only within daft.draw.
+---The player's key for it, or half of a stick, "+left x": to be shown. It differs from player to player, so only
+---within daft.draw.
 ---@param action string
 ---@return any|nil
 function daft.input.key_of(action) end
+
+---What is printed on the player's key for an action, a key or a stick: "Q" for "a" on a French keyboard, "left
+---stick up". nil: the player has nothing for it. Only within daft.draw.
+---@param input string
+---@return string|nil
+function daft.input.label(input) end
 
 ---daft.textinput(letter) hears of each letter that is typed, as UTF-8. It is recorded.
 ---@param on boolean

@@ -274,7 +274,7 @@ static const char *shown_input(const pause_menu *self, const action_input *in, c
     const bool whole = key_map_is_whole(in);
     if (self->waits == asked && self->waits_stick == whole)
         return !whole ? "press a key, push a stick" : in->index % 2 ? "push a stick down" : "push a stick to the right";
-    return shown < 0 ? "nothing" : key_map_label(shown, whole, out);
+    return shown < 0 ? "nothing" : key_map_label(self->keyboard, shown, whole, out);
 }
 
 static const char *value_of(const pause_menu *self, const pause_row *row, char out[VALUE])

@@ -28,6 +28,7 @@ typedef struct pause_menu {
     player_settings *settings;
     const actions *actions; /* the game's */
     key_map *keys;
+    platform *keyboard;     /* the player's; or NULL */
     float mouse_x, mouse_y; /* HUD units */
     float hud_width;        /* of the last picture */
 } pause_menu;

@@ -1,6 +1,7 @@
 /* Actions, and the player's own keys for them. */
 #include "platform/actions.h"
 
+#include <ctype.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -205,14 +206,30 @@ const char *key_map_name(int number, char out[KEY_MAP_NAME])
     return out;
 }
 
-const char *key_map_label(int number, bool whole, char out[KEY_MAP_NAME])
+/* Without a keyboard as a US one has it. */
+static void label_key(platform *keyboard, const char *key, char out[KEY_MAP_NAME])
+{
+    static const char *const BUTTONS[] = {"left", "middle", "right"};
+    const bool pad = strncmp(key, "pad ", 4) == 0, mouse = strncmp(key, "mouse", 5) == 0;
+    if (mouse && key[5] >= '1' && key[5] <= '3')
+        snprintf(out, KEY_MAP_NAME, "%s mouse button", BUTTONS[key[5] - '1']);
+    else if (mouse || pad || !keyboard || !keyboard->key_label ||
+             !keyboard->key_label(keyboard, key, out, KEY_MAP_NAME)) {
+        snprintf(out, KEY_MAP_NAME, "%s", key);
+        for (size_t i = 0; out[i] && !mouse && !pad; i++)
+            if (i == 0 || out[i - 1] == ' ') out[i] = (char)toupper((unsigned char)out[i]);
+    }
+}
+
+const char *key_map_label(platform *keyboard, int number, bool whole, char out[KEY_MAP_NAME])
 {
     static const char *const HALVES[] = {"right", "left", "down", "up"}, *const WHOLES[] = {"← →", "→ ←", "↑ ↓", "↓ ↑"};
     size_t count;
     const char *const *sticks = input_stick_names(&count);
     const int stick = key_map_stick(number), way = 2 * (stick % 2) + is_negative(number);
-    if (!is_half(number)) return key_map_name(number, out);
-    if (stick >= FIRST_TRIGGER)
+    if (!is_half(number))
+        label_key(keyboard, input_key_name(number) ? input_key_name(number) : "", out);
+    else if (stick >= FIRST_TRIGGER)
         snprintf(out, KEY_MAP_NAME, "%s", sticks[stick]);
     else
         snprintf(out, KEY_MAP_NAME, "%s stick %s", stick < 2 ? "left" : "right", (whole ? WHOLES : HALVES)[way]);

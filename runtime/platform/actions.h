@@ -4,7 +4,7 @@
 #ifndef RUNTIME_PLATFORM_ACTIONS_H
 #define RUNTIME_PLATFORM_ACTIONS_H
 
-#include "platform/input.h"
+#include "platform/platform.h"
 
 #include <stdint.h>
 
@@ -82,8 +82,9 @@ int key_map_shown(const key_map *map, int asked);
 int key_map_translate(const key_map *map, held_inputs *held, const input_event *event, input_event out[KEY_MAP_EVENTS]);
 /* As daft.input.bind has it: "space", "+left x". */
 const char *key_map_name(int number, char out[KEY_MAP_NAME]);
-/* As players read it: "left stick up"; of a `whole` stick, whose positive half `number` is, "left stick ← →". */
-const char *key_map_label(int number, bool whole, char out[KEY_MAP_NAME]);
+/* As players read it: what is printed on the key on their keyboard (which may be NULL), "left mouse button", "left
+ * stick up"; of a `whole` stick, whose positive half `number` is, "left stick ← →". */
+const char *key_map_label(platform *keyboard, int number, bool whole, char out[KEY_MAP_NAME]);
 /* One line of text, and back; what cannot be read leaves every key what it is. */
 void key_map_write(const key_map *map, char text[KEY_MAP_TEXT]);
 void key_map_read(key_map *map, const char *text);

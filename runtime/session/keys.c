@@ -79,7 +79,7 @@ static void open_pause(session *s)
 {
     platform *screen = s->def->screen;
     if (screen->full_screen) s->settings.full_screen = screen->full_screen(screen, -1);
-    s->pause.actions = &s->play->scripts.actions, s->pause.keys = &s->keys;
+    s->pause.actions = &s->play->scripts.actions, s->pause.keys = &s->keys, s->pause.keyboard = screen;
     pause_open(&s->pause);
     let_go(s);
     s->redraws = true;
@@ -142,14 +142,14 @@ static void handle_failure_key(session *s, const char *name)
     if (strcmp(name, "e") == 0) edit_failure(s);
 }
 
-static void handle_session_key(session *s, int key)
+static void handle_session_key(session *s, const input_event *event)
 {
-    const char *name = input_key_name(key);
+    const char *name = input_key_name(event->key);
     if (strcmp(name, "escape") == 0) s->left = true;
     if (strcmp(name, "f1") == 0) s->overlay = !s->overlay;
     if (strcmp(name, "f3") == 0) s->xray = !s->xray;
     if (strcmp(name, "f12") == 0) s->wants_shot = true;
-    if (s->play->failed) handle_failure_key(s, name);
+    if (s->play->failed) handle_failure_key(s, input_key_name(input_letter(event)));
 }
 
 /* ---- events ---- */
@@ -170,7 +170,7 @@ static void take_input(session *s, const input_event *event)
     } else if (is_pause(s, event)) {
         open_pause(s);
     } else {
-        if (event->kind == INPUT_KEY && event->down) handle_session_key(s, event->key);
+        if (event->kind == INPUT_KEY && event->down) handle_session_key(s, event);
         push_translated(s, event);
     }
 }

@@ -392,9 +392,9 @@ static void sticks_of_the_player_stand_for_what_the_game_asks(void **unused)
     assert_string_equal(heard("right y", 1), "+b;");
     assert_string_equal(heard("right y", -1), "-b;+a;");
     char text[KEY_MAP_NAME];
-    assert_string_equal(key_map_label(key_map_shown(&chosen, key("a")), false, text), "right stick up");
+    assert_string_equal(key_map_label(NULL, key_map_shown(&chosen, key("a")), false, text), "right stick up");
     assert_string_equal(key_map_name(key_map_shown(&chosen, key("a")), text), "-right y");
-    assert_string_equal(key_map_label(key_map_half(left_x, true), true, text), "left stick → ←");
+    assert_string_equal(key_map_label(NULL, key_map_half(left_x, true), true, text), "left stick → ←");
     /* Whichever way inputs stand for others, all that is let go leaves everything at rest. */
     key_map_reset(&chosen);
     held = (held_inputs){.stick = {0}};

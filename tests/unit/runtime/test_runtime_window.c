@@ -144,6 +144,16 @@ static void set_size_script(platform *self, int width, int height)
     p->wished_width = width, p->wished_height = height;
 }
 
+/* A French keyboard, as far as it matters. */
+static bool key_label_script(platform *self, const char *key, char *out, size_t size)
+{
+    static const char *const PAIRS[] = {"aQ", "qA", "wZ", "zW", ";M", "m,"};
+    (void)self;
+    for (size_t i = 0; i < COUNT_OF(PAIRS); i++)
+        if (key[0] == PAIRS[i][0] && !key[1]) return snprintf(out, size, "%s", PAIRS[i] + 1) > 0;
+    return false;
+}
+
 static bool full_screen_script(platform *self, int wish)
 {
     script_platform *p = (script_platform *)self;
@@ -195,6 +205,7 @@ static void set_up(const happening *script, size_t count)
                                           .set_size = set_size_script,
                                           .full_screen = full_screen_script,
                                           .set_icon = set_icon_script,
+                                          .key_label = key_label_script,
                                           .copy = copy_script,
                                           .grab_mouse = grab_script,
                                           .hide = hide_script},
@@ -645,6 +656,36 @@ static void wrong_scripts_leave_the_old_ones_running(void **unused)
     drop_folder();
 }
 
+/* The game binds places; what it shows is what the player reads there, or has chosen instead. */
+static void keys_are_told_as_the_player_reads_them(void **unused)
+{
+    (void)unused;
+    char now[128];
+    begin_changing();
+    write_game("daft.input.bind('walk', 'a', 'left')\n"
+               "local shown = ''\n"
+               "function daft.draw()\n"
+               "  shown = daft.input.label('walk') .. ' ' .. daft.input.label('w') .. ' ' .. daft.input.label('left')\n"
+               "    .. ' ' .. daft.input.label('+left x')\n"
+               "end\n"
+               "function daft.update() daft.save('x', shown) end\n");
+    const happening script[] = {{20, "close", 0, 0}};
+    PLAY(script);
+    assert_int_equal(play_changing(), SESSION_CLOSED);
+    saved_x(now);
+    assert_non_null(strstr(now, "Q Z Left left stick right"));
+    /* "walk" by the key in the place of M. */
+    const happening other[] = {{4, "+escape", 0, 0},  {5, "+up", 0, 0},     {5, "+up", 0, 0}, {6, "+up", 0, 0},
+                               {7, "+return", 0, 0},  {8, "+return", 0, 0}, {9, "+;", 0, 0},  {10, "+escape", 0, 0},
+                               {11, "+escape", 0, 0}, {40, "close", 0, 0}};
+    PLAY(other);
+    s.def.pauses = true;
+    assert_int_equal(play_changing(), SESSION_CLOSED);
+    saved_x(now);
+    assert_non_null(strstr(now, "M Z Left left stick right"));
+    drop_folder();
+}
+
 /* What was before the game began again is not done again. */
 static void a_game_that_began_again_is_relived_from_there(void **unused)
 {
@@ -950,6 +991,7 @@ int main(void)
                                        cmocka_unit_test(the_player_chooses_the_picture),
                                        cmocka_unit_test(starting_again_is_replayed),
                                        cmocka_unit_test(other_keys_are_chosen_in_the_menu),
+                                       cmocka_unit_test(keys_are_told_as_the_player_reads_them),
                                        cmocka_unit_test(sticks_are_chosen_in_the_menu),
                                        cmocka_unit_test(saved_scripts_take_effect_while_the_game_runs),
                                        cmocka_unit_test(wrong_scripts_leave_the_old_ones_running),
