@@ -486,7 +486,9 @@ static const api_function FUNCTIONS[] = {
      new_material, API_CHANGES},
     {"material:set", "{...}", "Changes what the table names, for everything that has this material.", set_material,
      API_CHANGES},
-    {"mesh", "(\"file.obj\") or {positions =, triangles =, normals =, uvs =} or {text =, size =, …} -> mesh",
+    {"mesh",
+     "(\"file.obj\") or {positions =, triangles =, normals =, uvs =} or {text =, size =, depth =, align =, font =} -> "
+     "mesh",
      "Loads a mesh, or makes one: positions is a list of {x, y, z}, triangles of {a, b, c} counted from 1,\n"
      "counter-clockwise seen from the front; normals and uvs are optional, one a position.\n"
      "{text = \"HELLO\", size = 1, depth = 0.2, align = \"center\", font =}: letters of that height and depth, in "
