@@ -300,6 +300,24 @@ typedef struct daft_mesh_def {
 DAFT_API daft_mesh_def daft_default_mesh_def(void);
 DAFT_API daft_mesh daft_mesh_create(daft_scene *scene, const daft_mesh_def *def, daft_error *error);
 
+/* A solid from flat outlines: what closed contours enclose, from z = -depth/2 to depth/2, the front towards +z. What
+ * has a winding number that is not zero is inside, so contours may cross and overlap themselves and each other, holes
+ * run the other way round than what they are in, and either way round will do for the whole. Corners are moved to a
+ * grid of 2^-22 of the largest coordinate. The mesh is closed, its walls are smooth across edges flatter than 40
+ * degrees, and texture coordinates are metres. */
+typedef struct daft_extrude_def {
+    uint32_t cookie;
+    const daft_vec2 *points; /* metres, all finite; of one contour after the other */
+    uint32_t point_count;    /* at most 65,536 */
+    const uint32_t *counts;  /* points of each contour, which closes itself; they add up to point_count */
+    uint32_t contour_count;
+    float depth; /* metres, above zero */
+} daft_extrude_def;
+
+DAFT_API daft_extrude_def daft_default_extrude_def(void); /* depth: 1 */
+/* Fails where the contours enclose nothing, or are so entangled that it would take more than about a second. */
+DAFT_API daft_mesh daft_mesh_extrude(daft_scene *scene, const daft_extrude_def *def, daft_error *error);
+
 /* Moves a mesh's vertices: `count`, daft_mesh_info.vertex_count of them, positions that are all finite, and as many
  * normals, or NULL: smooth across edges flatter than 40 degrees, which takes longer than all the rest. Triangles,
  * texture coordinates and materials stay. The boxes of the BVH are fitted anew; once that has made rays 1.4 times as

@@ -5,12 +5,40 @@
 ---@alias daft.place daft.vector|daft.entity
 ---@alias daft.color string|number[]
 ---@alias daft.anymaterial string|daft.material|daft.material.options
+---@alias daft.value string|number|boolean|table|nil
+---@alias daft.shape {sphere?: number, box?: daft.vector, capsule?: {radius: number, height: number}, rotation?: number[]}
 ---@class daft.font
 ---@class daft.hit
 ---@field entity daft.entity
 ---@field distance number
 ---@field position number[]
 ---@field normal number[]
+---@field inside boolean?
+---@class daft.contact
+---@field other daft.entity
+---@field point daft.vector
+---@field normal daft.vector
+---@field impulse number
+---@class daft.event
+---@field kind string
+---@field a daft.entity?
+---@field b daft.entity?
+---@field joint daft.joint?
+---@field impulse number?
+---@field speed number?
+---@field point daft.vector?
+---@field normal daft.vector?
+---@class daft.clip
+---@field name string
+---@field duration number
+---@class daft.animation
+---@field clip string
+---@field time number
+---@field duration number
+---@field speed number
+---@field weight number
+---@field loop boolean
+---@field playing boolean
 
 ---@class daft
 ---@field load? fun()
@@ -342,8 +370,8 @@ function entity:angular_velocity(x, y, z) end
 
 ---What touched it in the last step: a list of {other = entity, point = {x, y, z}, normal = {x, y, z},
 ---impulse = n}; the normal points away from the other. list: one to fill again.
----@param list? table
----@return table
+---@param list? daft.contact[]|table
+---@return daft.contact[]
 function entity:contacts(list) end
 
 ---Takes it and its children out of the world.
@@ -356,19 +384,19 @@ function entity:valid() end
 ---Plays a clip of its mesh, by name or number. One that plays already goes on; from another the pose passes
 ---over in `blend` seconds.
 ---@param clip string|integer
----@param options? table
+---@param options? {speed?: number, blend?: number, start?: number, loop?: boolean, restart?: boolean}
 function entity:play(clip, options) end
 
 ---Back to the pose of the file.
 function entity:stop() end
 
 ---The clips of its mesh: a list of {name = text, duration = seconds}.
----@return table
+---@return daft.clip[]
 function entity:clips() end
 
 ---What it plays: {clip = name, time =, duration =, speed =, weight =, loop =, playing =}, or nil. weight is below
 ---1 while the pose passes over into it; playing is false once a clip that is not looped has ended.
----@return table
+---@return daft.animation|nil
 function entity:animation() end
 
 ---Puts the clip that it plays at this time.
@@ -407,29 +435,29 @@ function entity:right() end
 function entity:look_at(place) end
 
 ---What it hangs on, or hangs it there; nil: on the world. It stays where and as it is.
----@param entity? daft.entity|any
+---@param entity? daft.entity|nil
 ---@return daft.entity|nil
 function entity:parent(entity) end
 
 ---What hangs on it, in the order in which that came.
----@return table
+---@return daft.entity[]
 function entity:children() end
 
 ---The entities of that name, or with that tag, or with all tags of a list; those that got it first come first.
 ---list: a table to fill, instead of a new one.
----@param options table
----@param list? table
----@return table
+---@param options {tag?: string, name?: string}
+---@param list? daft.entity[]|table
+---@return daft.entity[]
 function daft.find(options, list) end
 
 ---Gives it tags: names of what it is.
 ---@param tag string
----@param ... any
+---@param ... string
 function entity:tag(tag, ...) end
 
 ---Takes tags from it.
 ---@param tag string
----@param ... any
+---@param ... string
 function entity:untag(tag, ...) end
 
 ---Whether it has the tag.
@@ -438,7 +466,7 @@ function entity:untag(tag, ...) end
 function entity:has_tag(tag) end
 
 ---Its tags, in the order in which it got them.
----@return table
+---@return string[]
 function entity:tags() end
 
 ---A force in newtons over the next step, at the centre of a dynamic body.
@@ -499,7 +527,7 @@ function joint:value() end
 
 ---What it had to hold, as the mean over the last step.
 ---@return number
----@return any
+---@return number
 function joint:force() end
 
 ---Drives a hinge or slider at a speed with at most a force, or brakes a ball; nothing: off.
@@ -526,14 +554,14 @@ function joint:target(x, y, z) end
 ---What happened in the last step: {kind =, a =, b =, impulse =}. kind is "begin" or "end" of a contact, "enter" or
 ---"leave" of a sensor (a), "break" or "gone" of a joint (joint =), "sleep" or "wake" of a body (a). A begin has
 ---point =, normal = and speed =, too.
----@param list? table
----@return table
+---@param list? daft.event[]|table
+---@return daft.event[]
 function daft.events(list) end
 
 ---Sets substeps = 1 to 16 (4 unless set) and sleeping = true or false. Gives counts of the last step: bodies, awake,
 ---joints, islands, pairs, contacts, rows, colours, substeps (the most of any island), sweeps.
 ---@param options? table
----@return table
+---@return table<string, integer>
 function daft.physics(options) end
 
 ---What counts where two kinds of surface meet; without the table, what the bodies say.
@@ -605,7 +633,7 @@ function character:valid() end
 ---@param direction daft.vector
 ---@param max_distance? number
 ---@param options? daft.query.ray.options
----@param hit? table
+---@param hit? daft.hit|table
 ---@return daft.hit|nil
 function daft.query.ray(from, direction, max_distance, options, hit) end
 
@@ -613,35 +641,35 @@ function daft.query.ray(from, direction, max_distance, options, hit) end
 ---@param from daft.place
 ---@param direction daft.vector
 ---@param max_distance? number
----@param options? table
----@param list? table
----@return table
+---@param options? daft.query.ray.options
+---@param list? daft.hit[]|table
+---@return daft.hit[]
 function daft.query.all(from, direction, max_distance, options, list) end
 
 ---The same for a shape that moves: {sphere = radius}, {box = {x, y, z}} or {capsule = {radius, height}},
 ---and rotation.
----@param shape table
+---@param shape daft.shape
 ---@param from daft.place
 ---@param direction daft.vector
 ---@param max_distance? number
----@param options? table
----@param hit? table
+---@param options? daft.query.ray.options
+---@param hit? daft.hit|table
 ---@return daft.hit|nil
 function daft.query.cast(shape, from, direction, max_distance, options, hit) end
 
 ---The bodies that a shape overlaps, up to 256.
----@param shape table
+---@param shape daft.shape
 ---@param at daft.place
----@param options? table
----@param list? table
----@return table
+---@param options? daft.query.ray.options
+---@param list? daft.entity[]|table
+---@return daft.entity[]
 function daft.query.overlap(shape, at, options, list) end
 
 ---The nearest point of any body.
 ---@param from daft.place
 ---@param max_distance? number
----@param options? table
----@param hit? table
+---@param options? daft.query.ray.options
+---@param hit? daft.hit|table
 ---@return daft.hit|nil
 function daft.query.closest(from, max_distance, options, hit) end
 
@@ -651,17 +679,20 @@ function daft.query.closest(from, max_distance, options, hit) end
 function daft.material(options) end
 
 ---Changes what the table names, for everything that has this material.
----@param options table
+---@param options daft.material.options
 function material:set(options) end
 
 ---Loads a mesh, or makes one: positions is a list of {x, y, z}, triangles of {a, b, c} counted from 1,
 ---counter-clockwise seen from the front; normals and uvs are optional, one a position.
----@param options string|table
+---{text = "HELLO", size = 1, depth = 0.2, align = "center", font =}: letters of that height and depth, in metres,
+---seen from +z; the last line stands on y = 0, and x = 0 is its middle, "left" or "right" end. The same text and
+---sizes give the same mesh.
+---@param options string|{positions?: number[]|daft.vector[], triangles?: integer[][], normals?: number[]|daft.vector[], uvs?: number[]|number[][]}|{text?: string|number, size?: number, depth?: number, align?: "left"|"center"|"right", font?: daft.font}
 ---@return daft.mesh
 function daft.mesh(options) end
 
 ---Moves the corners: as many positions as it was made with. The normals are computed again unless given.
----@param options table
+---@param options {positions?: number[]|daft.vector[], normals?: number[]|daft.vector[]}
 function mesh:set(options) end
 
 ---The lowest and highest coordinates.
@@ -685,7 +716,7 @@ function daft.light.point(options) end
 function daft.light.spot(options) end
 
 ---Changes what the table names.
----@param options table
+---@param options daft.light.spot.options
 function light:set(options) end
 
 ---Moves a point light or a spot.
@@ -739,7 +770,7 @@ function daft.sky.image(options) end
 
 ---From a place to a place; either may be an entity: where it is now. fov is horizontal, in radians.
 ---teleport = true jumps there without a glide.
----@param options table
+---@param options {from?: daft.place, at?: daft.place, fov?: number, teleport?: boolean}
 function daft.camera.look(options) end
 
 ---What is not named stays.
@@ -747,22 +778,23 @@ function daft.camera.look(options) end
 function daft.camera.set(options) end
 
 ---The same fields but teleport.
----@return table
+---@return daft.camera.set.options
 function daft.camera.get() end
 
 ---Where the camera is, as of daft.camera.get, so many seconds into a smooth path through a list of checkpoints.
 ---pace: "timed", "constant" or "eased".
----@param points table
+---@param points daft.camera.along.options[]
 ---@param seconds number
 ---@param pace? string
----@return table
+---@return daft.camera.set.options
 function daft.camera.along(points, seconds, pace) end
 
 ---The checkpoints of the `path` items of scene files.
----@return table
+---@return daft.camera.along.options[]
 function daft.camera.checkpoints() end
 
 ---Keys have SDL's names in lower case: "a", "left", "space", "return", "left shift", "f1", "mouse1".
+---Letters, digits and signs are places: "a" is where a US keyboard has its A; daft.input.label tells what is there.
 ---@param key string
 ---@return boolean
 function daft.input.down(key) end
@@ -779,10 +811,10 @@ function daft.input.released(key) end
 
 ---Names what the player does, by up to 8 keys, buttons and sticks: daft.input.bind("walk", "right", "-left",
 ---"left x"). A key counts as 1, with a minus before it as -1; of a stick, "+left x" is the right half. down,
----pressed and released take an action's name too. The pause menu lets players choose other keys.
+---pressed and released take an action's name too. The pause menu lets players choose others.
 ---@param action string
 ---@param input string
----@param ... any
+---@param ... string
 function daft.input.bind(action, input, ...) end
 
 ---The sum of its inputs, -1 to 1.
@@ -790,10 +822,17 @@ function daft.input.bind(action, input, ...) end
 ---@return number
 function daft.input.action(action) end
 
----The player's key for it, to be shown: it differs from player to player, so only within daft.draw.
+---The player's key for it, or half of a stick, "+left x": to be shown. It differs from player to player, so only
+---within daft.draw.
 ---@param action string
----@return any|nil
+---@return string|nil
 function daft.input.key_of(action) end
+
+---What is printed on the player's key for an action, a key or a stick: "Q" for "a" on a French keyboard, "left
+---stick up". nil: the player has nothing for it. Only within daft.draw.
+---@param input string
+---@return string|nil
+function daft.input.label(input) end
 
 ---daft.textinput(letter) hears of each letter that is typed, as UTF-8. It is recorded.
 ---@param on boolean
@@ -856,7 +895,7 @@ function daft.input.mouse.motion() end
 ---@param string string
 ---@param x number
 ---@param y number
----@param options? table
+---@param options? {size?: number, color?: daft.color, align?: "left"|"center"|"right", shadow?: boolean, font?: daft.font, width?: number}
 function daft.text(string, x, y, options) end
 
 ---A TrueType file (.ttf) of the game's, for daft.text{font =}. The program's own font has Latin, Greek and
@@ -893,27 +932,27 @@ function daft.height() end
 ---@param y number
 ---@param width number
 ---@param height number
----@param color? daft.color|table
+---@param color? daft.color|{color?: daft.color, width?: number}
 function daft.rect(x, y, width, height, color) end
 
 ---2 wide where nothing else is said. Or through many points: daft.line({x, y, x, y, ...}, {closed = true}).
----@param x any
----@param y any
----@param x2 any
----@param y2 any
----@param color? daft.color|table
+---@param x number
+---@param y number
+---@param x2 number
+---@param y2 number
+---@param color? daft.color|{color?: daft.color, width?: number}
 function daft.line(x, y, x2, y2, color) end
 
 ---A disc; with a width, a ring.
 ---@param x number
 ---@param y number
 ---@param radius number
----@param color? daft.color|table
+---@param color? daft.color|{color?: daft.color, width?: number}
 function daft.circle(x, y, radius, color) end
 
 ---Fills what 3 to 1024 points enclose; with a width, its outline.
----@param options table
----@param color? daft.color|table
+---@param options number[]
+---@param color? daft.color|{color?: daft.color, width?: number}
 function daft.polygon(options, color) end
 
 ---A picture file of the game's, to be drawn by image:draw.
@@ -927,7 +966,7 @@ function daft.image(file) end
 ---multiplies it; smooth = false keeps its pixels square.
 ---@param x number
 ---@param y number
----@param options? table
+---@param options? {scale?: number, width?: number, height?: number, rotation?: number, origin?: number[], source?: number[], border?: number, color?: daft.color, smooth?: boolean}
 function image:draw(x, y, options) end
 
 ---In pixels.
@@ -994,7 +1033,7 @@ function daft.running(task) end
 ---@param direction daft.vector
 ---@param max_distance? number
 ---@param ignore? daft.entity
----@param hit? table
+---@param hit? daft.hit|table
 ---@return daft.hit|nil
 function daft.raycast(from, direction, max_distance, ignore, hit) end
 
@@ -1010,7 +1049,7 @@ function daft.screen_ray(x, y) end
 ---@param y? number
 ---@param max_distance? number
 ---@param ignore? daft.entity
----@param hit? table
+---@param hit? daft.hit|table
 ---@return daft.hit|nil
 function daft.pick(x, y, max_distance, ignore, hit) end
 
@@ -1036,13 +1075,13 @@ function daft.tick() end
 
 ---Adds what a scene file describes; gives the entities that it names, by name.
 ---@param options string
----@return table
+---@return table<string, daft.entity>
 function daft.scene(options) end
 
 ---Sets what a picture costs and how exact it is: preset =, target_ms = and knobs by name, such as samples =.
 ---Gives them all. What the player asked for goes first. Pictures alone change, never the game.
 ---@param options? daft.quality.options
----@return any
+---@return daft.quality.options
 function daft.quality(options) end
 
 ---Starts the game afresh after this tick.
@@ -1053,7 +1092,7 @@ function daft.quit() end
 
 ---What the game's window is like: its title, its size in points of the screen, whether it fills the screen, and an
 ---image file as its icon. What is not given stays; the player may change size and full screen at any time.
----@param options table
+---@param options {title?: string, width?: number, height?: number, full_screen?: boolean, icon?: string}
 function daft.window(options) end
 
 ---0 <= x < 1; or a whole number from 1 to m, or from m to n. The same in every run with the same seed;
@@ -1133,7 +1172,7 @@ function particles:destroy() end
 function particles:valid() end
 
 ---What a camera of the game sees, for the game to read; up to 1,048,576 pixels. It has no pixels until it is drawn.
----@param options table
+---@param options {width?: number, height?: number}
 ---@return daft.picture
 function daft.picture(options) end
 
@@ -1205,7 +1244,7 @@ function picture:cost(x, y) end
 ---whole numbers as keys, up to a million bytes. A crash or a power cut leaves the old value or the new
 ---one. nil forgets it. While a recording plays nothing is written.
 ---@param name string
----@param value any
+---@param value daft.value
 function daft.save(name, value) end
 
 ---What was saved last, in this start or an earlier one. The message says why a file cannot be read; it
@@ -1260,7 +1299,7 @@ function voice:playing() end
 
 ---Plays a sound over and over, in the group "music", while the one before fades out (1 s); nil: no more.
 ---@param sound? daft.sound
----@param options? table
+---@param options? {fade?: number, volume?: number}
 function daft.music(sound, options) end
 
 ---The volume of a group of voices, or of "all": 0 to 4.
@@ -1272,7 +1311,7 @@ function daft.volume(group, v) end
 ---Only in a test: the picture after this tick is like tests/pictures/NAME.png. max is how far any channel of any
 ---pixel may be off, of 1 (0.25); mean is the mean over all (0.01).
 ---@param name string
----@param options? table
+---@param options? {max?: number, mean?: number}
 function daft.test.picture(name, options) end
 
 wait, wait_until = daft.wait, daft.wait_until

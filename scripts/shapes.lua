@@ -1,4 +1,4 @@
--- Round things to draw, with the collider that fits: cylinders, cones, capsules, rings and discs.
+-- Things to draw, with the collider that fits: cylinders, cones, capsules, rings, discs and letters.
 --
 --     local shapes = require "shapes"
 --     daft.entity(shapes.cylinder { radius = 0.5, height = 2, position = {0, 1, 0}, body = "dynamic", mass = 5 })
@@ -145,6 +145,18 @@ function shapes.disc(t)
     t = table_of(t, "disc")
     local r, sides = size(t, "disc", "radius", 1), sides_of(t, "disc")
     return entity(t, SIZES, mesh("disc", { r }, { { 0, 0, 0, 1 }, { r, 0, 0, 1 } }, sides), "mesh")
+end
+
+local TEXT = { text = true, size = true, depth = true, align = true, font = true }
+
+-- Upright letters that face +z, the last line standing on y = 0. text, size, the height of a capital letter (1), depth
+-- (a fifth of it), align: what stands at x = 0, "left", "center" or "right" ("center"), font. Standing bodies have the
+-- letters' triangles, those that move their hull.
+function shapes.text(t)
+    t = table_of(t, "text")
+    if t.text == nil then error("shapes.text: text: string expected, got nil", 2) end
+    local what = daft.mesh { text = t.text, size = t.size, depth = t.depth, align = t.align, font = t.font }
+    return entity(t, TEXT, what, t.body == "dynamic" and "hull" or "mesh")
 end
 
 return shapes

@@ -2,7 +2,7 @@
  * Promises: a mesh that stands has only finite positions, indices in range and no triangle with two equal corners;
  * triangles that share an edge in the file share its two vertex numbers here, whatever their normals and uvs do.
  *
- * Public headers: mesh.h rig.h. Inner headers: trimesh.h polygon.h.
+ * Public headers: mesh.h rig.h. Inner headers: trimesh.h polygon.h outline.h.
  * formats/ reads OBJ and MTL files, foreign/ others; analysis/ computes smooth normals and finds problems; rig/ moves
  * vertices by skeletons. */
 #ifndef DAFT_GEOMETRY_H
@@ -48,6 +48,10 @@ bool daft_trimesh_deform(const daft_allocator *allocator, daft_trimesh *mesh, co
 /* A box around the origin with the given full edge lengths. Flat normals; each side's uvs are metres from its lower
  * left corner, so textures keep their size. 8 vertices, 12 triangles. */
 bool daft_trimesh_box(const daft_allocator *allocator, daft_vec3 size, daft_trimesh *out, daft_error *error);
+
+/* What daft_mesh_extrude says. */
+bool daft_trimesh_extrude(const daft_allocator *allocator, const daft_extrude_def *def, daft_trimesh *out,
+                          daft_error *error);
 
 /* Fills normals and normal_indices: at each corner the angle-weighted mean of the faces around the vertex that meet
  * this one across edges flatter than `crease` radians. Each vertex has a normal under its own number, others of the

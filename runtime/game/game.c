@@ -41,6 +41,7 @@ static bool start(game_state *state, daft_error *error)
                     .scene = state->scene,
                     .keys = &state->keys,
                     .map = state->def.map,
+                    .keyboard = state->def.keyboard,
                     .face = state->def.face,
                     .saves = state->def.saves,
                     .seed = state->def.seed,

@@ -30,6 +30,7 @@ typedef struct game_def {
     struct trail *trail;      /* of what happens, to do it again (relive.h); or NULL; must outlive the game */
     daft_history *history;    /* of pictures that follow each other on a screen; or NULL; must outlive the game */
     const key_map *map;       /* the player's keys, for the game to show; or NULL; must outlive the game */
+    platform *keyboard;       /* the player's, for what is printed on its keys; or NULL; must outlive the game */
     saves *saves;             /* what the game keeps; must outlive it. NULL: as long as it runs */
     const governor *governor; /* chooses knobs of pictures; or NULL; must outlive the game */
     double seconds;           /* one call into the game may take; 0: WATCHDOG_SECONDS */

@@ -3,6 +3,7 @@
 
 #include "common/util.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -68,27 +69,27 @@ void settings_save(saves *store, const player_settings *s)
 typedef struct pause_row {
     int kind;
     const action *what; /* KEY */
-    int key;            /* the game's */
+    const action_input *input;
 } pause_row;
 
-/* The action's inputs that are keys, one by one; false: there are fewer. */
-static bool find_key(const actions *all, int which, pause_row *out)
+/* The actions' inputs, one by one; false: there are fewer. */
+static bool find_input(const actions *all, int which, pause_row *out)
 {
-    for (int i = 0; i < all->count; i++)
-        for (int k = 0; k < all->list[i].count; k++) {
-            const action_input *in = &all->list[i].inputs[k];
-            if (in->stick || which-- > 0) continue;
-            *out = (pause_row){KEY, &all->list[i], in->index};
+    for (int i = 0; i < all->count; i++) {
+        const action *a = &all->list[i];
+        if (which < a->count) {
+            *out = (pause_row){KEY, a, &a->inputs[which]};
             return true;
         }
+        which -= a->count;
+    }
     return false;
 }
 
 static int count_keys(const pause_menu *self)
 {
-    pause_row unused;
     int count = 0;
-    while (self->actions && find_key(self->actions, count, &unused)) count++;
+    for (int i = 0; self->actions && i < self->actions->count; i++) count += self->actions->list[i].count;
     return count;
 }
 
@@ -102,9 +103,9 @@ static pause_row row_at(const pause_menu *self, int i)
 {
     const int keys = count_keys(self);
     pause_row row = {0};
-    if (!self->controls) return (pause_row){keys == 0 && i >= CONTROLS ? i + 1 : i, NULL, 0};
-    if (i < keys && find_key(self->actions, i, &row)) return row;
-    return (pause_row){i == keys ? KEYS_AS_AT_FIRST : BACK, NULL, 0};
+    if (!self->controls) return (pause_row){keys == 0 && i >= CONTROLS ? i + 1 : i, NULL, NULL};
+    if (i < keys && find_input(self->actions, i, &row)) return row;
+    return (pause_row){i == keys ? KEYS_AS_AT_FIRST : BACK, NULL, NULL};
 }
 
 static void choose(pause_menu *self, int row)
@@ -126,6 +127,7 @@ static void open_page(pause_menu *self, bool controls, int row)
 void pause_open(pause_menu *self)
 {
     self->open = true;
+    memset(self->pushed, 0, sizeof self->pushed);
     open_page(self, false, CONTINUE);
 }
 
@@ -182,7 +184,7 @@ static pause_wish pick(pause_menu *self)
     case RESTART: self->open = false; return PAUSE_RESTART;
     case LEAVE: return PAUSE_LEAVE;
     case CONTROLS: open_page(self, true, 0); return PAUSE_STAY;
-    case KEY: self->waits = row.key; return PAUSE_STAY;
+    case KEY: self->waits = key_map_of(row.input), self->waits_stick = key_map_is_whole(row.input); return PAUSE_STAY;
     case KEYS_AS_AT_FIRST: key_map_reset(self->keys); return PAUSE_KEYS;
     default: return change(self, 1, true);
     }
@@ -201,10 +203,33 @@ static pause_wish take_new_key(pause_menu *self, int key)
     static const char *const OURS[] = {"f1", "f3", "f4", "f5", "f6", "f11", "f12", "pad start", "pad guide", NULL};
     const char *name = input_key_name(key);
     if (strcmp(name, "escape") == 0) self->waits = -1;
-    if (self->waits < 0 || is_one_of(name, OURS)) return PAUSE_STAY;
+    if (self->waits < 0 || self->waits_stick || is_one_of(name, OURS)) return PAUSE_STAY;
     key_map_set(self->keys, self->waits, key);
     self->waits = -1;
     return PAUSE_KEYS;
+}
+
+/* From the middle to well over half of its way. A trigger stands for no whole stick. */
+static pause_wish take_new_stick(pause_menu *self, int stick, float before, float now)
+{
+    const float far = 0.6f;
+    const action_input moved = {.stick = true, .index = stick};
+    if (fabsf(before) >= far || fabsf(now) < far) return PAUSE_STAY;
+    if (!self->waits_stick)
+        key_map_set(self->keys, self->waits, key_map_half(stick, now < 0));
+    else if (key_map_is_whole(&moved))
+        key_map_set_stick(self->keys, key_map_stick(self->waits), key_map_half(stick, now < 0));
+    else
+        return PAUSE_STAY;
+    self->waits = -1;
+    return PAUSE_KEYS;
+}
+
+static pause_wish take_stick(pause_menu *self, int stick, float now)
+{
+    const float before = self->pushed[stick];
+    self->pushed[stick] = now;
+    return self->waits >= 0 ? take_new_stick(self, stick, before, now) : PAUSE_STAY;
 }
 
 static pause_wish take_key(pause_menu *self, const char *key)
@@ -234,34 +259,52 @@ pause_wish pause_take(pause_menu *self, const input_event *event)
     }
     if (event->kind == INPUT_WHEEL && self->waits < 0 && event->y != 0)
         choose(self, self->chosen - (event->y > 0 ? 1 : -1));
+    if (event->kind == INPUT_STICK) return take_stick(self, event->key, event->x);
     if (event->kind != INPUT_KEY || !event->down) return PAUSE_STAY;
     return self->waits >= 0 ? take_new_key(self, event->key) : take_key(self, input_key_name(event->key));
 }
 
 /* ---- drawing ---- */
 
-enum { VALUE = 48 };
+enum { VALUE = KEY_MAP_NAME };
+
+static const char *shown_input(const pause_menu *self, const action_input *in, char out[VALUE])
+{
+    const int asked = key_map_of(in), shown = key_map_shown(self->keys, asked);
+    const bool whole = key_map_is_whole(in);
+    if (self->waits == asked && self->waits_stick == whole)
+        return !whole ? "press a key, push a stick" : in->index % 2 ? "push a stick down" : "push a stick to the right";
+    return shown < 0 ? "nothing" : key_map_label(self->keyboard, shown, whole, out);
+}
 
 static const char *value_of(const pause_menu *self, const pause_row *row, char out[VALUE])
 {
     const player_settings *s = self->settings;
-    const int shown = row->kind == KEY ? key_map_shown(self->keys, row->key) : -1;
     switch (row->kind) {
     case PICTURE: return PICTURES[s->picture];
     case PACE: return PACES[s->pace].name;
     case VOLUME: snprintf(out, VALUE, s->volume ? "%d %%" : "off", 10 * s->volume); return out;
     case FULL_SCREEN: return s->full_screen ? "on" : "off";
-    case KEY: return self->waits == row->key ? "press a key" : shown < 0 ? "nothing" : input_key_name(shown);
+    case KEY: return shown_input(self, row->input, out);
     default: return "";
     }
 }
 
-static const char *name_of(const pause_row *row)
+/* What it does, and which way, where others go the other way. */
+static const char *name_of_action(const action *a, const action_input *in, char out[VALUE])
+{
+    bool both = false;
+    for (int i = 0; i < a->count; i++) both = both || a->inputs[i].sign <= 0;
+    snprintf(out, VALUE, "%s%s", a->name, !both || in->sign == 0 ? "" : in->sign > 0 ? " +" : " -");
+    return out;
+}
+
+static const char *name_of(const pause_row *row, char out[VALUE])
 {
     static const char *const NAMES[] = {"Continue", "Picture",     "Frames", "Sound", "Full screen",
                                         "Controls", "Start again", "Leave",  "",      "Keys as at first",
                                         "Back"};
-    return row->kind == KEY ? row->what->name : NAMES[row->kind];
+    return row->kind == KEY ? name_of_action(row->what, row->input, out) : NAMES[row->kind];
 }
 
 static void draw_row(const pause_menu *self, const canvas *over, font *face, int i)
@@ -272,7 +315,7 @@ static void draw_row(const pause_menu *self, const canvas *over, font *face, int
     const pause_row row = row_at(self, i);
     canvas_rect(over, left, y, WIDTH, ROW - 6, chosen ? CHOSEN : DARK);
     text_style style = {26, WHITE, TEXT_LEFT, false};
-    text_draw(over, face, name_of(&row), left + 24, y + 12, &style);
+    text_draw(over, face, name_of(&row, text), left + 24, y + 12, &style);
     style.color = chosen ? WHITE : GREY, style.align = TEXT_RIGHT;
     text_draw(over, face, value_of(self, &row, text), left + WIDTH - 24, y + 12, &style);
 }
@@ -290,7 +333,7 @@ void pause_draw(pause_menu *self, const canvas *over, font *face, const char *ti
     style = (text_style){18, GREY, TEXT_CENTER, true};
     const float below = TOP + ROW * (float)shown + 20;
     text_draw(over, face,
-              self->waits >= 0 ? "Press a key or a button      Esc  leave it as it is"
+              self->waits >= 0 ? "Press a key or a button, or push a stick      Esc  leave it as it is"
               : self->controls ? "↑ ↓  choose      Return  another key      Esc  back"
                                : "↑ ↓  choose      ← →  change      Return  do it      Esc  continue",
               middle, below, &style);

@@ -22,10 +22,13 @@ typedef struct pause_menu {
     bool open;
     bool controls;     /* the page of keys is shown, not the first one */
     int chosen, first; /* rows; the one on top */
-    int waits;         /* for the player to press what is to stand for this key of the game's; below 0: it does not */
+    int waits; /* for the player to move what is to stand for this of the game's (key_map); below 0: for nothing */
+    bool waits_stick;           /* for a whole stick, whose positive half `waits` is */
+    float pushed[INPUT_STICKS]; /* as the player holds them */
     player_settings *settings;
     const actions *actions; /* the game's */
     key_map *keys;
+    platform *keyboard;     /* the player's; or NULL */
     float mouse_x, mouse_y; /* HUD units */
     float hud_width;        /* of the last picture */
 } pause_menu;

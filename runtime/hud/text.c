@@ -3,7 +3,7 @@
 #include "hud/canvas.h"
 
 #include "common/util.h"
-#include "hud/truetype.h"
+#include "hud/letters.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -69,17 +69,14 @@ void font_close(font *face)
     free(face);
 }
 
-static float units_scale(const font *face, float size)
-{
-    return size / (float)(face->file.ascent - face->file.descent);
-}
+static float units_scale(const font *face, float size) { return size / (float)font_height(face); }
 
 /* Glyphs that are far too large stay blank. */
 static void rasterize(font *face, uint32_t code, int pixels, glyph *out)
 {
     float box[4];
     const float scale = units_scale(face, (float)pixels);
-    if (!truetype_read(&face->file, truetype_find(&face->file, code), &face->outline)) return;
+    if (!font_outline(face, code)) return;
     truetype_bounds(&face->outline, box);
     for (int i = 0; i < 4; i++)
         if (fabsf(box[i] * scale) > LARGEST_GLYPH) return;
@@ -112,8 +109,7 @@ static const glyph *find_glyph(font *face, uint32_t code, int pixels)
     return found;
 }
 
-/* The advance with kerning, in font units. */
-static int advance(const font *face, uint32_t code, uint32_t next)
+int font_advance(const font *face, uint32_t code, uint32_t next)
 {
     const uint32_t left = truetype_find(&face->file, code);
     const int width = truetype_advance(&face->file, left);
@@ -128,10 +124,23 @@ static int line_advance(const font *face, const char *text, const char *end)
     uint32_t code = utf8_next(&text);
     while (code && code != '\n' && text <= end) {
         uint32_t next = utf8_next(&text);
-        width += advance(face, code, next);
+        width += font_advance(face, code, next);
         code = next;
     }
     return width;
+}
+
+int font_line_advance(const font *face, const char *line)
+{
+    const char *end = strchr(line, '\n');
+    return line_advance(face, line, end ? end : line + strlen(line));
+}
+
+int font_height(const font *face) { return face->file.ascent - face->file.descent; }
+
+const truetype_outline *font_outline(font *face, uint32_t code)
+{
+    return truetype_read(&face->file, truetype_find(&face->file, code), &face->outline) ? &face->outline : NULL;
 }
 
 float text_line_height(float size) { return size * 1.2f; }
@@ -141,7 +150,7 @@ float text_width(const font *face, const char *text, float size)
     int widest = 0;
     for (const char *line = text; line;) {
         const char *end = strchr(line, '\n');
-        int width = line_advance(face, line, end ? end : line + strlen(line));
+        const int width = font_line_advance(face, line);
         if (width > widest) widest = width;
         line = end ? end + 1 : NULL;
     }
@@ -194,7 +203,7 @@ static void draw_line(const canvas *target, font *face, const char *text, const 
             int offset = pass == 0 ? shadow : 0;
             draw_glyph(target, find_glyph(face, code, pixels), (int)floorf(pen + (float)walked * scale + 0.5f) + offset,
                        (int)floorf(base + 0.5f) + offset, pass == 0 ? dark : style->color);
-            walked += advance(face, code, next);
+            walked += font_advance(face, code, next);
             code = next;
         }
     }
@@ -219,7 +228,7 @@ static const char *break_line(const font *face, const char *text, float width, f
     uint32_t code = utf8_next(&at);
     for (; code && code != '\n'; here = at, code = utf8_next(&at)) {
         const char *ahead = at;
-        walked += advance(face, code, utf8_next(&ahead));
+        walked += font_advance(face, code, utf8_next(&ahead));
         if (code == ' ' && after_word) blank = here;
         after_word = code != ' ';
         if (after_word && here > text && (float)walked * scale > width) return blank ? blank : here;

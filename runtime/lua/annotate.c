@@ -1,6 +1,7 @@
 /* The tables of functions as annotations of the Lua language server, so that editors complete names, show what they do
  * and find what is misspelt. A form such as "(from, direction [, max_distance]) -> hit or nil" becomes @param and
- * @return lines; a word's type is looked up below, and one that is not there is `any`. */
+ * @return lines, and {a =, b =} a table with these fields; a word's type is looked up below, and one that is not there
+ * is `any`: tests/checks/docs.sh says which may. */
 #include "lua/fields.h"
 
 #include "common/util.h"
@@ -18,9 +19,10 @@ typedef struct word_type {
 } word_type;
 
 static const word_type ARGUMENTS[] = {
-    {"number",
-     " x y z w s p v yaw pitch roll width height max_distance speed force lower upper hertz damping seconds metres "
-     "size occlusion m n seed radius strength scale rate "},
+    {"nil", " nil "},
+    {"number", " x y z w s p v x1 y1 x2 y2 yaw pitch roll width height max_distance speed force lower upper hertz "
+               "damping seconds metres "
+               "size occlusion m n seed radius strength scale rate "},
     {"integer", " button ticks count "},
     {"boolean", " on down "},
     {"string", " key negative positive name group string file other tag action input pace "},
@@ -30,20 +32,70 @@ static const word_type ARGUMENTS[] = {
     {"daft.place", " from at place point target "},
     {"daft.vector", " direction axis "},
     {"daft.color", " color zenith horizon "},
+    {"daft.value", " value "},
     {"daft.anymaterial", " material "},
     {"daft.entity", " entity ignore parent "},
     {"daft.sound", " sound "},
     {"thread", " task "},
     {"function", " f "},
-    {"table", " shape options hit list points "}};
+    {"daft.shape", " shape "},
+    {"daft.camera.along.options[]", " points "},
+    {"table", " options hit list "}};
+
+/* Of a table's fields where a form spells them out. */
+static const word_type FIELDS[] = {
+    {"number", " speed blend start fov width height size depth fade volume scale rotation border max mean "},
+    {"boolean", " restart loop teleport smooth shadow full_screen closed "},
+    {"string", " tag name title icon "},
+    {"string|number", " text "},
+    {"\"left\"|\"center\"|\"right\"", " align "},
+    {"daft.color", " color "},
+    {"daft.place", " from at "},
+    {"daft.font", " font "},
+    {"number[]", " origin source "},
+    {"number[]|daft.vector[]", " positions normals "},
+    {"number[]|number[][]", " uvs "},
+    {"integer[][]", " triangles "}};
+
+/* What lists and tables hold, by the function that gives them, or is given them to fill. */
+static const struct {
+    const char *function, *type;
+} CONTENTS[] = {{"entity:contacts", "daft.contact[]"},
+                {"entity:clips", "daft.clip[]"},
+                {"entity:animation", "daft.animation|nil"},
+                {"entity:children", "daft.entity[]"},
+                {"entity:tags", "string[]"},
+                {"find", "daft.entity[]"},
+                {"events", "daft.event[]"},
+                {"physics", "table<string, integer>"},
+                {"query.ray", "daft.hit"},
+                {"query.all", "daft.hit[]"},
+                {"query.cast", "daft.hit"},
+                {"query.closest", "daft.hit"},
+                {"query.overlap", "daft.entity[]"},
+                {"raycast", "daft.hit"},
+                {"pick", "daft.hit"},
+                {"camera.get", "daft.camera.set.options"},
+                {"camera.along", "daft.camera.set.options"},
+                {"camera.checkpoints", "daft.camera.along.options[]"},
+                {"scene", "table<string, daft.entity>"},
+                {"quality", "daft.quality.options"}};
+
+static const char *contents_of(const char *function)
+{
+    for (size_t i = 0; i < COUNT_OF(CONTENTS); i++)
+        if (strcmp(CONTENTS[i].function, function) == 0) return CONTENTS[i].type;
+    return "table";
+}
 
 static const word_type RESULTS[] = {
     {"number", " x y z w r g b s v width height number seconds kilograms radians newtons metres value speed force yaw "
                "pitch roll index count left top scale rate "},
     {"boolean", " on boolean down "},
-    {"string", " string message name "},
-    {"table", " counts list hits entities table "},
-    {"daft.hit", " hit "},
+    {"string", " string message name key "},
+    {"number", " newton newtons "},
+    {"daft.value", " value "},
+    {"table", " counts list hits entities table knobs hit "},
     {"daft.entity", " entity "},
     {"daft.light", " light "},
     {"daft.material", " material "},
@@ -155,10 +207,15 @@ static void put_field(void *unused, const char *name, const char *value, const c
     printf(*initial ? "; %s unless given\n" : "\n", initial);
 }
 
+/* Functions that take what another one takes. */
+static const char *const ALIKE[][2] = {{"material:set", "material"}, {"light:set", "light.spot"}};
+
 static const api_form *form_of(const char *function)
 {
     size_t count;
     const api_form *const *forms = api_forms(&count);
+    for (size_t i = 0; i < COUNT_OF(ALIKE); i++)
+        if (strcmp(ALIKE[i][0], function) == 0) function = ALIKE[i][1];
     for (size_t i = 0; i < count; i++)
         if (strcmp(forms[i]->function, function) == 0 && strcmp(forms[i]->title, "collider") != 0) return forms[i];
     return NULL;
@@ -202,15 +259,45 @@ static void name_argument(argument *a, const char *text, const argument *before,
         if (strcmp(before[i].name, a->name) == 0) strcat(a->name, "2");
 }
 
+/* "{a =, b =, …}" as a table of fields; what ends in an ellipsis may have more. */
+static void type_table(char out[TEXT], const char *part)
+{
+    char inside[TEXT], *names[PARTS];
+    snprintf(inside, sizeof inside, "%s", part + 1);
+    inside[strcspn(inside, "}")] = 0;
+    const size_t count = split(inside, ",", names);
+    if (!strchr(inside, '=')) {
+        add_type(out, "number[]"); /* {x, y, …} */
+        return;
+    }
+    if (out[0]) add(out, "|");
+    add(out, "{");
+    for (size_t i = 0, put = 0; i < count; i++) {
+        char name[40];
+        const char *at = trim(names[i]);
+        snprintf(name, sizeof name, "%.*s", (int)strspn(at, "abcdefghijklmnopqrstuvwxyz_"), at);
+        if (!name[0]) continue;
+        if (put++) add(out, ", ");
+        add(out, name), add(out, "?: "), add(out, type_of(name, FIELDS, COUNT_OF(FIELDS)));
+    }
+    add(out, "}");
+}
+
 static void type_argument(argument *a, char *text, const char *function)
 {
     char *parts[PARTS];
     size_t count = split(text, " or ", parts);
     for (size_t i = 0; i < count; i++) {
         char *part = trim(parts[i]), options[TEXT];
-        options_type(function, options);
-        if (part[0] == '{')
-            add_type(a->type, strcmp(part, "{...}") == 0 && form_of(function) ? options : "table");
+        options_type(form_of(function) ? form_of(function)->function : function, options);
+        if (strcmp(part, "{...}") == 0)
+            add_type(a->type, form_of(function) ? options : "table");
+        else if (part[0] == '{')
+            type_table(a->type, part);
+        else if (strcmp(part, "list") == 0 || strcmp(part, "hit") == 0)
+            add_type(a->type, contents_of(function)), add_type(a->type, "table"); /* an empty one, the first time */
+        else if (strcmp(part, "options") == 0 && strncmp(function, "query.", 6) == 0)
+            add_type(a->type, "daft.query.ray.options");
         else if (part[0] == '"')
             add_type(a->type, "string");
         else if (strcmp(part, "options") == 0 && form_of(function))
@@ -227,9 +314,11 @@ static size_t read_arguments(const char *form, const char *function, argument ou
     const char *arrow = strstr(form, " -> ");
     int length = arrow ? (int)(arrow - form) : (int)strlen(form);
     snprintf(text, sizeof text, "%.*s", length, form);
-    const bool bare = text[0] == '{', either = strstr(text, ") or {") != NULL;
+    char *other = strstr(text, ") or {");
+    const bool bare = text[0] == '{', either = other != NULL;
+    if (other) *other = 0, other += strlen(") or ");
     char *inside = trim(text);
-    if (!bare) inside++, inside[strcspn(inside, either ? ")" : "")] = 0;
+    if (!bare) inside++;
     if (!bare && !either && inside[0]) inside[strlen(inside) - 1] = 0;
     size_t brackets = 0, count = 0, total;
     total = split(inside, ",", parts);
@@ -247,10 +336,13 @@ static size_t read_arguments(const char *form, const char *function, argument ou
         if (part[0] && strcmp(part, "...") != 0) {
             name_argument(a, part, out, count);
             type_argument(a, part, function);
-            if (either) add_type(a->type, "table");
+            if (either) type_argument(a, other, function);
             count++;
         } else if (part[0]) {
-            strcpy(a->name, "..."), strcpy(a->type, "any");
+            /* More of the same; to a function, whatever it takes. */
+            strcpy(a->name, "...");
+            snprintf(a->type, TEXT, "%s",
+                     count && strcmp(out[count - 1].type, "function") ? out[count - 1].type : "any");
             a->optional = false, count++;
         }
         if (opens_next) brackets++;
@@ -259,7 +351,7 @@ static size_t read_arguments(const char *form, const char *function, argument ou
 }
 
 /* "entity or nil, "ground", "air" or "crushed"": words of a choice that follow each other are one value. */
-static size_t read_results(const char *form, char out[PARTS][TEXT])
+static size_t read_results(const char *form, const char *function, char out[PARTS][TEXT])
 {
     const char *arrow = strstr(form, " -> ");
     if (!arrow) return 0;
@@ -284,9 +376,11 @@ static size_t read_results(const char *form, char out[PARTS][TEXT])
             const char *word = trim(words[k]);
             char first[40];
             snprintf(first, sizeof first, "%.*s", (int)strcspn(word, " "), word);
-            add_type(out[count - 1], word[0] == '"'   ? word
-                                     : word[0] == '{' ? (strcmp(word, "{x, y, z}") == 0 ? "daft.vector" : "table")
-                                                      : type_of(first, RESULTS, COUNT_OF(RESULTS)));
+            const char *type = word[0] == '"'                   ? word
+                               : strcmp(word, "{x, y, z}") == 0 ? "daft.vector"
+                               : word[0] == '{'                 ? "table"
+                                                                : type_of(first, RESULTS, COUNT_OF(RESULTS));
+            add_type(out[count - 1], strcmp(type, "table") == 0 ? contents_of(function) : type);
         }
         if (optional) add_type(out[count - 1], "nil");
         optional |= opens;
@@ -320,7 +414,7 @@ static void put_function(const api_function *function)
     argument arguments[PARTS];
     char results[PARTS][TEXT];
     const size_t count = read_arguments(function->form, function->name, arguments);
-    const size_t result_count = read_results(function->form, results);
+    const size_t result_count = read_results(function->form, function->name, results);
     putchar('\n');
     put_doc(function->doc);
     for (size_t i = 0; i < count; i++)
@@ -370,7 +464,7 @@ static void put_table(const char *table)
         put_doc(call->doc);
         printf("---@class daft.%s\n", table);
         const size_t count = read_arguments(call->form, call->name, arguments);
-        put_overload(arguments, count, results, read_results(call->form, results));
+        put_overload(arguments, count, results, read_results(call->form, call->name, results));
     }
     printf("daft.%s = {}\n", table);
 }
@@ -427,9 +521,23 @@ void api_print_annotations(void)
          "---@alias daft.place daft.vector|daft.entity\n"
          "---@alias daft.color string|number[]\n"
          "---@alias daft.anymaterial string|daft.material|daft.material.options\n"
+         "---@alias daft.value string|number|boolean|table|nil\n"
+         "---@alias daft.shape {sphere?: number, box?: daft.vector, capsule?: {radius: number, height: number}, "
+         "rotation?: "
+         "number[]}\n"
          "---@class daft.font\n---@class daft.hit\n---@field entity daft.entity\n---@field distance number\n---@field "
          "position number[]\n"
-         "---@field normal number[]");
+         "---@field normal number[]\n---@field inside boolean?\n"
+         "---@class daft.contact\n---@field other daft.entity\n---@field point daft.vector\n---@field normal "
+         "daft.vector\n---@field impulse number\n"
+         "---@class daft.event\n---@field kind string\n---@field a daft.entity?\n---@field b daft.entity?\n---@field "
+         "joint daft.joint?\n"
+         "---@field impulse number?\n---@field speed number?\n---@field point daft.vector?\n---@field normal "
+         "daft.vector?\n"
+         "---@class daft.clip\n---@field name string\n---@field duration number\n"
+         "---@class daft.animation\n---@field clip string\n---@field time number\n---@field duration number\n---@field "
+         "speed number\n"
+         "---@field weight number\n---@field loop boolean\n---@field playing boolean");
     printf("\n---@class daft\n");
     size_t callbacks;
     const char *const *names = api_callbacks(&callbacks);

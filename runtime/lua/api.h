@@ -190,5 +190,14 @@ daft_entity api_entity_at(lua_State *L, host *h, int index, const char *what);
 /* A texture name, "#colour", file.mtl#name, a table or a material. */
 daft_material api_material_at(lua_State *L, host *h, int index, const char *what);
 daft_mesh api_mesh_at(lua_State *L, host *h, int index, const char *what);
+/* The program's own font where there is none. */
+font *api_font_at(lua_State *L, host *h, int index);
+/* ---- letters.c: meshes of text ---- */
+
+/* Pushes the mesh that the table at `table`, {text =, size =, …}, describes: the same one for the same description. */
+int api_push_letters(lua_State *L, host *h, int table);
+/* Around a full collection of Lua: lets go of the meshes of texts that the game does not hold. */
+void api_begin_letters_collection(lua_State *L);
+void api_end_letters_collection(lua_State *L);
 
 #endif

@@ -42,6 +42,7 @@ typedef struct host_def {
     daft_scene *scene;
     input *keys;
     const key_map *map; /* the player's keys, to show them; or NULL */
+    platform *keyboard; /* the player's; or NULL */
     font *face;
     saves *saves; /* what the game keeps: files/saves.h */
     uint64_t seed;

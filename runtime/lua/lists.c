@@ -51,20 +51,24 @@ static key_entry describe_key(lua_State *L, int index, lua_Integer place)
     return entry;
 }
 
-/* Upvalues: the table, the list of keys, how many have been given. Keys that are gone by now are passed over. */
+/* How far a loop has come in its list of keys. */
+typedef struct pair_walk {
+    lua_Integer place, count;
+} pair_walk;
+
+/* Upvalues: the pair_walk, the list of keys, the table. Keys that are gone by now are passed over. */
 static int next_pair(lua_State *L)
 {
-    lua_Integer place = lua_tointeger(L, lua_upvalueindex(3));
-    for (;;) {
-        place++;
-        if (lua_rawgeti(L, lua_upvalueindex(2), place) == LUA_TNIL) return 1;
+    pair_walk *walk = lua_touserdata(L, lua_upvalueindex(1));
+    while (walk->place < walk->count) {
+        lua_rawgeti(L, lua_upvalueindex(2), ++walk->place);
         lua_pushvalue(L, -1);
-        if (lua_rawget(L, lua_upvalueindex(1)) != LUA_TNIL) break;
+        if (lua_rawget(L, lua_upvalueindex(3)) != LUA_TNIL) return 2;
         lua_pop(L, 2);
+        api_poll(L, (uint64_t)walk->place);
     }
-    lua_pushinteger(L, place);
-    lua_replace(L, lua_upvalueindex(3));
-    return 2;
+    lua_pushnil(L);
+    return 1;
 }
 
 /* A stable merge sort of `count` keys, which then lie in `keys` or in `spare`; the C library's cannot be stopped. */
@@ -112,25 +116,24 @@ static void push_sorted(lua_State *L, lua_Integer count)
 /* What a walk over a table's keys, in the order of next(), says of them. */
 typedef struct key_set {
     lua_Integer count;
-    uint64_t sum; /* of hashes: two sets of keys that are alive have the same as likely as 64 bits are by chance */
-    bool plain;   /* numbers, strings and booleans only */
+    uint64_t sum; /* a hash of them in that order: two sets that are alive have the same as likely as 64 bits are by
+                     chance */
 } key_set;
 
-static uint64_t hash_key(lua_State *L, int index, int type)
+/* Of a key that is no string. */
+static uint64_t bits_of_key(lua_State *L, int index)
 {
-    uint64_t bits = (uint64_t)type;
-    double number = 0;
-    if (type == LUA_TSTRING)
-        bits += (uint64_t)(uintptr_t)lua_topointer(L, index);
-    else if (lua_isinteger(L, index))
-        bits += (uint64_t)lua_tointeger(L, index) << 8;
-    else if (type == LUA_TNUMBER)
-        number = lua_tonumber(L, index), memcpy(&bits, &number, sizeof bits);
+    uint64_t bits = (uint64_t)lua_type(L, index);
+    if (lua_isinteger(L, index)) { /* 0 and above: odd, as no address is */
+        const uint64_t whole = (uint64_t)lua_tointeger(L, index);
+        return (whole << 1 | whole >> 63) ^ 1;
+    }
+    const double number = lua_tonumber(L, index);
+    if (lua_type(L, index) == LUA_TNUMBER)
+        memcpy(&bits, &number, sizeof bits);
     else
         bits += (uint64_t)lua_toboolean(L, index) << 4;
-    bits = (bits ^ bits >> 32) * 0x9E3779B97F4A7C15u; /* splitmix64's: Steele, Lea, Flood 2014 */
-    bits = (bits ^ bits >> 30) * 0xBF58476D1CE4E5B9u;
-    return bits ^ bits >> 27;
+    return bits;
 }
 
 /* Whether the table at 1 is a list, also one with holes: has whole numbers only, which next() gives in their order. */
@@ -150,20 +153,36 @@ static bool is_list(lua_State *L)
     return true;
 }
 
+/* The count and the sum: with as few calls of Lua as there can be, since every loop begins with it. */
 static key_set look_at_keys(lua_State *L)
 {
-    key_set set = {.plain = true};
-    for (lua_pushnil(L); lua_next(L, 1); lua_pop(L, 1)) {
-        const int type = lua_type(L, -2);
-        set.plain = set.plain && (type == LUA_TSTRING || type == LUA_TNUMBER || type == LUA_TBOOLEAN);
-        set.sum += hash_key(L, -2, type);
-        api_poll(L, (uint64_t)++set.count);
+    key_set set = {.count = 0};
+    for (lua_pushnil(L); lua_next(L, 1); lua_settop(L, 2)) {
+        const void *address = lua_topointer(L, 2);
+        const uint64_t bits = address ? (uint64_t)(uintptr_t)address : bits_of_key(L, 2);
+        /* A turn and a product: each key's bits get everywhere, and their order counts. */
+        set.sum = ((set.sum << 29 | set.sum >> 35) ^ bits) * 0x9E3779B97F4A7C15u;
+        if (++set.count % HOST_POLL_STEPS == 0) host_poll(L);
     }
     return set;
 }
 
+/* Numbers, strings and booleans only: their order depends on no address, so that it can be kept. */
+static bool are_plain(lua_State *L)
+{
+    bool plain = true;
+    lua_Integer count = 0;
+    for (lua_pushnil(L); lua_next(L, 1); lua_pop(L, 1)) {
+        const int type = lua_type(L, -2);
+        plain = plain && (type == LUA_TSTRING || type == LUA_TNUMBER || type == LUA_TBOOLEAN);
+        api_poll(L, (uint64_t)++count);
+    }
+    return plain;
+}
+
 /* Registry key of the lists of sorted keys by table, which does not keep the tables alive. A list has its set's sum at
- * 0. Sorting is then done once for as long as a table has the same keys. */
+ * 0, and keeps its strings alive, so that no other key can have the address of one. Sorting is then done once for as
+ * long as a table has the same keys. */
 static const char SORTED_KEY;
 
 enum { WORTH_KEEPING = 8 }; /* keys */
@@ -214,10 +233,9 @@ static void keep(lua_State *L, const key_set *set)
 /* Leaves the sorted list of the keys of the table at 1. */
 static void push_keys(lua_State *L, const key_set *set)
 {
-    const bool worth = set->plain && set->count >= WORTH_KEEPING;
-    if (worth && push_kept(L, set)) return;
+    if (set->count >= WORTH_KEEPING && push_kept(L, set)) return;
     push_sorted(L, set->count);
-    if (worth) keep(L, set);
+    if (set->count >= WORTH_KEEPING && are_plain(L)) keep(L, set);
 }
 
 static int next_in_table(lua_State *L)
@@ -243,9 +261,10 @@ static int pairs(lua_State *L)
         lua_pushcfunction(L, next_in_table);
     } else {
         const key_set set = look_at_keys(L);
-        lua_pushvalue(L, 1);
+        pair_walk *walk = lua_newuserdatauv(L, sizeof *walk, 0);
+        *walk = (pair_walk){.count = set.count};
         push_keys(L, &set);
-        lua_pushinteger(L, 0);
+        lua_pushvalue(L, 1);
         lua_pushcclosure(L, next_pair, 3);
     }
     lua_pushvalue(L, 1);

@@ -36,6 +36,8 @@ int input_key_find(const char *name)
     return -1;
 }
 
+int input_letter(const input_event *event) { return event->letter > 0 ? event->letter - 1 : event->key; }
+
 const char *input_key_name(int key) { return key >= 0 && key < KEY_COUNT ? KEYS[key] : NULL; }
 
 const char *const *input_key_names(size_t *count)

@@ -14,7 +14,8 @@ enum { INPUT_KEYS = 128, INPUT_STICKS = 6, INPUT_QUEUE = 256 };
  * it. */
 #define INPUT_RESTART "start again"
 
-/* Keys have SDL's names in lower case. Unknown names give -1, unknown numbers NULL. */
+/* Keys have SDL's names in lower case. Letters, digits and signs are places: "a" is the key that has an A on a US
+ * keyboard, whatever is printed on it here. Unknown names give -1, unknown numbers NULL. */
 int input_key_find(const char *name);
 const char *input_key_name(int key);
 /* All names, for hints. */
@@ -36,8 +37,9 @@ typedef enum input_kind {
 
 typedef struct input_event {
     input_kind kind;
-    int key;   /* INPUT_KEY, INPUT_STICK; INPUT_TEXT: the code point of a letter that was typed */
-    bool down; /* INPUT_KEY */
+    int key;    /* INPUT_KEY, INPUT_STICK; INPUT_TEXT: the code point of a letter that was typed */
+    bool down;  /* INPUT_KEY */
+    int letter; /* INPUT_KEY: 1 more than the key whose name is printed on it; 0: the same. See input_letter */
     /* INPUT_MOVE: HUD units from the top left; INPUT_MOTION: HUD units right and down, while the mouse is grabbed;
      * INPUT_WHEEL: notches, right and up positive; INPUT_STICK: x alone, -1 to 1, right and down positive; INPUT_WIDTH:
      * x alone, HUD units that the picture is wide, since games ask where on it something is. */
@@ -54,6 +56,10 @@ typedef struct input {
     input_event applied[INPUT_QUEUE]; /* the events that changed the state in this tick, in order */
     size_t applied_count;
 } input;
+
+/* The key by what is printed on it on this keyboard: for the program's own keys, which have their letter as a reason.
+ */
+int input_letter(const input_event *event);
 
 /* A code point that can be typed: no control character, no half of a pair. */
 bool input_is_text(int code);

@@ -42,6 +42,9 @@ struct platform {
     /* 1 or 0: the window fills the screen from now on, or not; -1: only asks. Whether it does. NULL: it never does. */
     bool (*full_screen)(platform *self, int wish);
     void (*rumble)(platform *self, float strength, double seconds); /* of gamepads, 0 to 1; NULL: none can */
+    /* What is printed on the key in the place that a US keyboard names so: "Q" on a French one for "a". False: it is
+     * not known. NULL: there is no keyboard. */
+    bool (*key_label)(platform *self, const char *key, char *out, size_t size);
     void (*grab_mouse)(platform *self, bool grab); /* hides and confines the mouse; events become relative motions */
     /* The window goes from sight. From any thread once leave_waits was true. */
     void (*hide)(platform *self);

@@ -50,20 +50,42 @@ static void close_sdl(platform *self)
     free(sdl);
 }
 
-/* Names a key by its label on this keyboard, or, when that is unknown (other alphabets), by its position. */
+static int find_key(const char *name)
+{
+    char lower[32];
+    size_t length = 0;
+    for (; name[length] && length + 1 < sizeof lower; length++)
+        lower[length] = (char)tolower((unsigned char)name[length]);
+    lower[length] = 0;
+    return input_key_find(lower);
+}
+
+/* By its label on this keyboard, or by its place where that is unknown: other alphabets. */
+static int letter_of(const SDL_Keysym *symbol)
+{
+    const int key = find_key(SDL_GetKeyName(symbol->sym));
+    return key >= 0 ? key : find_key(SDL_GetScancodeName(symbol->scancode));
+}
+
+/* What prints a sign by its place, so that W A S D are where a hand expects them; what does not by what it is here, so
+ * that who has swapped Esc and Caps Lock finds them swapped. */
 static int key_of(const SDL_Keysym *symbol)
 {
-    const char *names[] = {SDL_GetKeyName(symbol->sym), SDL_GetScancodeName(symbol->scancode)};
-    for (size_t i = 0; i < COUNT_OF(names); i++) {
-        char lower[32];
-        size_t length = 0;
-        for (; names[i][length] && length + 1 < sizeof lower; length++)
-            lower[length] = (char)tolower((unsigned char)names[i][length]);
-        lower[length] = 0;
-        int key = input_key_find(lower);
-        if (key >= 0) return key;
-    }
-    return -1;
+    const bool prints = symbol->sym > SDLK_SPACE && symbol->sym < SDLK_DELETE;
+    const bool foreign = symbol->sym > SDLK_DELETE && !(symbol->sym & SDLK_SCANCODE_MASK);
+    const int key = prints || foreign ? find_key(SDL_GetScancodeName(symbol->scancode)) : -1;
+    return key >= 0 ? key : letter_of(symbol);
+}
+
+static bool key_label_sdl(platform *self, const char *key, char *out, size_t size)
+{
+    sdl_platform *sdl = lock(self);
+    const SDL_Scancode place = SDL_GetScancodeFromName(key);
+    const char *label = SDL_GetKeyName(SDL_GetKeyFromScancode(place));
+    const bool known = place != SDL_SCANCODE_UNKNOWN && label[0];
+    if (known) snprintf(out, size, "%s", label);
+    unlock(sdl);
+    return known;
 }
 
 /* Left is 1, middle 2, right 3, as in SDL. */
@@ -102,7 +124,8 @@ static bool key_event(sdl_platform *sdl, const SDL_KeyboardEvent *event, input_e
         toggle_fullscreen(sdl);
         return false;
     }
-    *out = (input_event){.kind = INPUT_KEY, .key = key_of(&event->keysym), .down = down};
+    *out = (input_event){
+        .kind = INPUT_KEY, .key = key_of(&event->keysym), .letter = 1 + letter_of(&event->keysym), .down = down};
     return out->key >= 0;
 }
 
@@ -450,6 +473,7 @@ platform *platform_open_sdl(const char *title, int width, int height, daft_error
                            .copy = copy_sdl,
                            .full_screen = full_screen_sdl,
                            .rumble = rumble_sdl,
+                           .key_label = key_label_sdl,
                            .grab_mouse = grab_sdl,
                            .hide = hide_sdl,
                            .leave_waits = leave_waits_sdl};

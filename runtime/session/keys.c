@@ -66,15 +66,22 @@ static void save_keys(session *s)
     if (!saves_put(s->own, name_of_keys(s, name), text, &error)) report(&error);
 }
 
+/* The game hears that nothing is held any longer. */
+static void let_go(session *s)
+{
+    s->held = (held_inputs){.stick = {0}};
+    input_push_release_all(&s->play->keys);
+}
+
 /* ---- the pause menu ---- */
 
 static void open_pause(session *s)
 {
     platform *screen = s->def->screen;
     if (screen->full_screen) s->settings.full_screen = screen->full_screen(screen, -1);
-    s->pause.actions = &s->play->scripts.actions, s->pause.keys = &s->keys;
+    s->pause.actions = &s->play->scripts.actions, s->pause.keys = &s->keys, s->pause.keyboard = screen;
     pause_open(&s->pause);
-    input_push_release_all(&s->play->keys);
+    let_go(s);
     s->redraws = true;
 }
 
@@ -135,25 +142,26 @@ static void handle_failure_key(session *s, const char *name)
     if (strcmp(name, "e") == 0) edit_failure(s);
 }
 
-static void handle_session_key(session *s, int key)
+static void handle_session_key(session *s, const input_event *event)
 {
-    const char *name = input_key_name(key);
+    const char *name = input_key_name(event->key);
     if (strcmp(name, "escape") == 0) s->left = true;
     if (strcmp(name, "f1") == 0) s->overlay = !s->overlay;
     if (strcmp(name, "f2") == 0) session_toggle_prices(s);
     if (strcmp(name, "f3") == 0) s->xray = !s->xray;
     if (strcmp(name, "f12") == 0) s->wants_shot = true;
-    if (s->play->failed) handle_failure_key(s, name);
+    if (s->play->failed) handle_failure_key(s, input_key_name(input_letter(event)));
 }
 
 /* ---- events ---- */
 
-/* What the player does, by the game's keys. */
-static void push_translated(session *s, input_event event)
+/* What the player does, by the game's keys and sticks. */
+static void push_translated(session *s, const input_event *event)
 {
-    if (event.kind == INPUT_TEXT && !s->play->scripts.text) return;
-    if (event.kind == INPUT_KEY) event.key = s->keys.to[event.key];
-    if (event.kind != INPUT_KEY || event.key != KEY_MAP_NONE) input_push(&s->play->keys, &event);
+    if (event->kind == INPUT_TEXT && !s->play->scripts.text) return;
+    input_event asked[KEY_MAP_EVENTS];
+    const int count = key_map_translate(&s->keys, &s->held, event, asked);
+    for (int i = 0; i < count; i++) input_push(&s->play->keys, &asked[i]);
 }
 
 static void take_input(session *s, const input_event *event)
@@ -163,8 +171,8 @@ static void take_input(session *s, const input_event *event)
     } else if (is_pause(s, event)) {
         open_pause(s);
     } else {
-        if (event->kind == INPUT_KEY && event->down) handle_session_key(s, event->key);
-        push_translated(s, *event);
+        if (event->kind == INPUT_KEY && event->down) handle_session_key(s, event);
+        push_translated(s, event);
     }
 }
 
@@ -174,7 +182,7 @@ void session_take_events(session *s)
     for (platform_event event; screen->poll(screen, &event);) {
         switch (event.kind) {
         case PLATFORM_CLOSE: s->closed = true; break;
-        case PLATFORM_FOCUS_LOST: input_push_release_all(&s->play->keys); break;
+        case PLATFORM_FOCUS_LOST: let_go(s); break;
         case PLATFORM_DROP: break;
         case PLATFORM_INPUT:
             session_scale_mouse(screen, &event.input);

@@ -237,6 +237,7 @@ static bool run(session *s, daft_error *error)
                      .history = s->history,
                      .saves = s->kept,
                      .map = &s->keys,
+                     .keyboard = def->screen,
                      .seconds = def->seconds,
                      .asked = asked,
                      .heard = s->sounds.writer || s->def->speaks ? heard : NULL,

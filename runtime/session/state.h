@@ -48,6 +48,7 @@ typedef struct session {
     player_settings settings;
     pause_menu pause;
     key_map keys;                /* the player's */
+    held_inputs held;            /* what the player holds */
     window_wish granted;         /* the last; its icon is only compared */
     bool redraws;                /* while it pauses: the picture is to change */
     bool paced;                  /* the player has set something in this session */

@@ -308,6 +308,10 @@ static void wheel(viewer *v, double notches)
 
 static void take_input(viewer *v, const input_event *event)
 {
+    input_event by_letter = *event; /* the keys of the viewer, those to fly with too, are letters that stand for words
+                                     */
+    if (event->kind == INPUT_KEY) by_letter.key = input_letter(event);
+    event = &by_letter;
     const char *name = event->kind == INPUT_KEY ? input_key_name(event->key) : "";
     bool left = strcmp(name, "mouse1") == 0, right = strcmp(name, "mouse3") == 0;
     input_push(&v->input, event);

@@ -88,6 +88,16 @@ while read -r name; do
     passed=$((passed + 1))
 done <"$out/written"
 [ "$(wc -l <"$out/written")" -gt 50 ] || fail "docs/reference/lua-api.md has too few functions in its tables"
+# scripts/daft.d.lua: `any` stands only where a game may give anything, and every type that is named there is made there.
+sed -n -e 's/^---@\(param\|field\) [a-z_.]*? *//p' -e 's/^---@\(param\|field\) [a-z_.]* *//p' -e 's/^---@return //p' \
+    -e 's/^---@overload //p' -e 's/^---@alias [a-z.]* //p' "$root/scripts/daft.d.lua" >"$out/types"
+anything=$(grep -cE '^any( |$)|\|any|any\||: any' "$out/types")
+[ "$anything" = 3 ] || fail "scripts/daft.d.lua: any stands $anything times, not 3: e.data twice, and what daft.start passes on"
+grep -oE '\bdaft\.[a-z_.]+' "$out/types" | sed 's/\.$//' | sort -u >"$out/named"
+sed -nE 's/^---@(class|alias) (daft\.[a-z_.]+).*/\2/p' "$root/scripts/daft.d.lua" | sort -u >"$out/made"
+while read -r type; do
+    grep -qxF -- "$type" "$out/made" || grep -qF "function $type(" "$root/scripts/daft.d.lua" || fail "scripts/daft.d.lua: there is no type $type"
+done <"$out/named"
 # docs/reference/command-line.md names the options that `--help` prints, no more and no fewer.
 page=$root/docs/reference/command-line.md
 for command in play render check new test-game bench test; do

@@ -540,6 +540,28 @@ static const daft_mesh_def *give_const_daft_mesh_def_p(caller *c)
     return &def;
 }
 
+static const daft_extrude_def *give_const_daft_extrude_def_p(caller *c)
+{
+    static daft_extrude_def def;
+    static const daft_vec2 points[6] = {{0, 0}, {2, 0}, {0, 2}, {1, 1}, {-1, 1}, {1, -1}};
+    static const daft_vec2 not_finite[6] = {{0, 0}, {2, NAN}, {0, 2}, {1, 1}, {-1, INFINITY}, {1, -1}};
+    static const uint32_t counts[2] = {3, 3}, wild[2] = {UINT32_MAX, 7};
+    def = daft_default_extrude_def();
+    def.points = points, def.point_count = 6, def.counts = counts, def.contour_count = 2;
+    switch (choose(c, 9)) {
+    case 0: return &def;
+    case 1: say(c, VERDICT_WRONG); return NULL;
+    case 2: say(c, VERDICT_WRONG), def.cookie = 1; break;
+    case 3: say(c, VERDICT_WRONG), def.points = NULL; break;
+    case 4: say(c, VERDICT_WRONG), def.counts = NULL; break;
+    case 5: say(c, VERDICT_WRONG), def.counts = wild; break;
+    case 6: say(c, VERDICT_WRONG), def.points = not_finite; break;
+    case 7: say(c, VERDICT_WRONG), def.depth = NAN; break;
+    default: say(c, VERDICT_WRONG), def.point_count = UINT32_MAX;
+    }
+    return &def;
+}
+
 static const daft_vec3 *give_const_daft_vec3_p(caller *c)
 {
     static const daft_vec3 bad[4] = {{0, 0, 0}, {1, 0, NAN}, {0, INFINITY, 0}, {0, 0, 1}};
@@ -783,6 +805,7 @@ TOOK_VALUE(daft_sim_times)
 TOOK_VALUE(daft_engine_def)
 TOOK_VALUE(daft_files_def)
 TOOK_VALUE(daft_mesh_def)
+TOOK_VALUE(daft_extrude_def)
 TOOK_VALUE(daft_material_def)
 TOOK_VALUE(daft_collider)
 TOOK_VALUE(daft_entity_def)

@@ -224,6 +224,30 @@ daft_mesh daft_mesh_create(daft_scene *scene, const daft_mesh_def *def, daft_err
     return (daft_mesh){0};
 }
 
+daft_extrude_def daft_default_extrude_def(void) { return (daft_extrude_def){.cookie = DAFT_COOKIE, .depth = 1}; }
+
+static bool extrude_def_check(const daft_extrude_def *def, daft_error *error)
+{
+    return daft_check_pointer(error, "def", def) && daft_check_cookie(error, def->cookie, "daft_default_extrude_def") &&
+           daft_check_pointer(error, "points", def->points) && daft_check_pointer(error, "counts", def->counts);
+}
+
+daft_mesh daft_mesh_extrude(daft_scene *scene, const daft_extrude_def *def, daft_error *error)
+{
+    daft_error_clear(error);
+    if (!daft_scene_ready(scene, error) || !extrude_def_check(def, error) || !mesh_reserve(scene, error))
+        return (daft_mesh){0};
+    daft_mesh_item *item = daft_alloc_zero(scene->allocator, 1, sizeof *item);
+    if (!item) {
+        daft_fail_memory(error, "a mesh");
+        return (daft_mesh){0};
+    }
+    if (daft_trimesh_extrude(scene->allocator, def, &item->mesh, error) && mesh_finish(scene, item, error))
+        return mesh_add(scene, item);
+    mesh_free(scene, item);
+    return (daft_mesh){0};
+}
+
 daft_mesh_item *daft_mesh_find(const daft_scene *scene, daft_mesh mesh, daft_error *error)
 {
     uint32_t index = daft_asset_find(&scene->assets.mesh_slots, mesh.id);

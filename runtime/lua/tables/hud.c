@@ -41,8 +41,7 @@ static int make_font(lua_State *L, host *h)
     return 1;
 }
 
-/* The program's own font where there is none. */
-static font *read_font(lua_State *L, host *h, int index)
+font *api_font_at(lua_State *L, host *h, int index)
 {
     if (lua_isnoneornil(L, index)) return h->def.face;
     return ((font_handle *)api_check_handle(L, h, index, API_FONT, "font"))->face;
@@ -88,7 +87,7 @@ static int text(lua_State *L, host *h)
         if (api_field(L, 4, "align"))
             style.align = (text_align)api_choice(L, h, -1, "align", ALIGNMENTS, COUNT_OF(ALIGNMENTS));
         if (api_field(L, 4, "shadow")) style.shadow = api_boolean(L, h, -1, "shadow");
-        if (api_field(L, 4, "font")) face = read_font(L, h, -1);
+        if (api_field(L, 4, "font")) face = api_font_at(L, h, -1);
         if (api_field(L, 4, "width")) wrap = read_width(L, h, -1);
     }
     if (wrap > 0)
@@ -102,7 +101,7 @@ static int width_of_text(lua_State *L, host *h)
 {
     const char *shown = read_shown(L, h, 1);
     float size = lua_isnoneornil(L, 2) ? DEFAULT_SIZE : read_size(L, h, 2);
-    lua_pushnumber(L, (double)text_width(read_font(L, h, 3), shown, size));
+    lua_pushnumber(L, (double)text_width(api_font_at(L, h, 3), shown, size));
     return 1;
 }
 
@@ -111,7 +110,7 @@ static int height_of_text(lua_State *L, host *h)
     const char *shown = read_shown(L, h, 1);
     const float width = read_width(L, h, 2);
     const text_style style = {.size = lua_isnoneornil(L, 3) ? DEFAULT_SIZE : read_size(L, h, 3)};
-    lua_pushnumber(L, (double)text_draw_wrapped(NULL, read_font(L, h, 4), shown, 0, 0, width, &style));
+    lua_pushnumber(L, (double)text_draw_wrapped(NULL, api_font_at(L, h, 4), shown, 0, 0, width, &style));
     return 1;
 }
 

@@ -74,16 +74,40 @@ static int value_of_action(lua_State *L, host *h)
     return 1;
 }
 
-/* The player's key for the first of the action's that is one. */
+/* The player's for the first of the action's inputs that is a key or the half of a stick. */
 static int key_of_action(lua_State *L, host *h)
 {
     const action *a = check_action(L, h);
     for (int i = 0; i < a->count; i++) {
-        const int key = a->inputs[i].index, shown = h->def.map ? key_map_shown(h->def.map, key) : key;
-        if (a->inputs[i].stick || shown < 0) continue;
-        lua_pushstring(L, input_key_name(shown));
+        char name[KEY_MAP_NAME];
+        const int asked = key_map_of(&a->inputs[i]), shown = h->def.map ? key_map_shown(h->def.map, asked) : asked;
+        if (key_map_is_whole(&a->inputs[i]) || shown < 0) continue;
+        lua_pushstring(L, key_map_name(shown, name));
         return 1;
     }
+    return 0;
+}
+
+static int push_label(lua_State *L, host *h, const action_input *in)
+{
+    char label[KEY_MAP_NAME];
+    const int asked = key_map_of(in), shown = h->def.map ? key_map_shown(h->def.map, asked) : asked;
+    if (shown < 0) return 0;
+    lua_pushstring(L, key_map_label(h->def.keyboard, shown, key_map_is_whole(in), label));
+    return 1;
+}
+
+/* Of the first of an action's inputs that the player has something for. */
+static int label(lua_State *L, host *h)
+{
+    const action *a = lua_type(L, 1) == LUA_TSTRING ? actions_find(&h->actions, lua_tostring(L, 1)) : NULL;
+    action_input in;
+    if (!a) {
+        read_input(L, h, 1, &in);
+        return push_label(L, h, &in);
+    }
+    for (int i = 0; i < a->count; i++)
+        if (push_label(L, h, &a->inputs[i])) return 1;
     return 0;
 }
 
@@ -176,7 +200,10 @@ static int grab(lua_State *L, host *h)
 
 static const api_function FUNCTIONS[] = {
     {"input.down", "(key) -> boolean",
-     "Keys have SDL's names in lower case: \"a\", \"left\", \"space\", \"return\", \"left shift\", \"f1\", \"mouse1\".",
+     "Keys have SDL's names in lower case: \"a\", \"left\", \"space\", \"return\", \"left shift\", \"f1\", "
+     "\"mouse1\".\n"
+     "Letters, digits and signs are places: \"a\" is where a US keyboard has its A; daft.input.label tells what is "
+     "there.",
      down, 0},
     {"input.pressed", "(key) -> boolean", "It went down in this tick.", pressed, 0},
     {"input.released", "(key) -> boolean", "It went up in this tick.", released, 0},
@@ -184,12 +211,19 @@ static const api_function FUNCTIONS[] = {
      "Names what the player does, by up to 8 keys, buttons and sticks: daft.input.bind(\"walk\", \"right\", "
      "\"-left\",\n"
      "\"left x\"). A key counts as 1, with a minus before it as -1; of a stick, \"+left x\" is the right half. down,\n"
-     "pressed and released take an action's name too. The pause menu lets players choose other keys.",
+     "pressed and released take an action's name too. The pause menu lets players choose others.",
      bind, API_CHANGES},
     {"input.action", "(action) -> number", "The sum of its inputs, -1 to 1.", value_of_action, 0},
     {"input.key_of", "(action) -> key or nil",
-     "The player's key for it, to be shown: it differs from player to player, so only within daft.draw.", key_of_action,
-     API_DRAWS},
+     "The player's key for it, or half of a stick, \"+left x\": to be shown. It differs from player to player, so "
+     "only\n"
+     "within daft.draw.",
+     key_of_action, API_DRAWS},
+    {"input.label", "(input) -> string or nil",
+     "What is printed on the player's key for an action, a key or a stick: \"Q\" for \"a\" on a French keyboard, "
+     "\"left\n"
+     "stick up\". nil: the player has nothing for it. Only within daft.draw.",
+     label, API_DRAWS},
     {"input.text", "(on)", "daft.textinput(letter) hears of each letter that is typed, as UTF-8. It is recorded.", text,
      API_CHANGES},
     {"input.rumble", "(strength, seconds)", "Shakes the gamepads: 0 to 1, up to 10 seconds.", rumble, API_CHANGES},

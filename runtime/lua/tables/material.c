@@ -27,7 +27,9 @@ int api_collect(lua_State *L)
     host *h = api_host(L);
     lua_pushnil(L);
     lua_rawsetp(L, LUA_REGISTRYINDEX, &MATERIALS_KEY);
+    api_begin_letters_collection(L);
     lua_gc(L, LUA_GCCOLLECT);
+    api_end_letters_collection(L);
     daft_scene_collect(h->def.scene);
     return 0;
 }
@@ -437,6 +439,7 @@ static int set_mesh(lua_State *L, host *h)
 
 static int new_mesh(lua_State *L, host *h)
 {
+    if (lua_type(L, 1) == LUA_TTABLE && api_has_field(L, 1, "text")) return api_push_letters(L, h, 1);
     api_handle *handle = api_new_handle(L, API_MESH, 0);
     int top = lua_gettop(L);
     if (lua_type(L, 1) == LUA_TTABLE) {
@@ -483,9 +486,16 @@ static const api_function FUNCTIONS[] = {
      new_material, API_CHANGES},
     {"material:set", "{...}", "Changes what the table names, for everything that has this material.", set_material,
      API_CHANGES},
-    {"mesh", "(\"file.obj\") or {positions =, triangles =, normals =, uvs =} -> mesh",
+    {"mesh",
+     "(\"file.obj\") or {positions =, triangles =, normals =, uvs =} or {text =, size =, depth =, align =, font =} -> "
+     "mesh",
      "Loads a mesh, or makes one: positions is a list of {x, y, z}, triangles of {a, b, c} counted from 1,\n"
-     "counter-clockwise seen from the front; normals and uvs are optional, one a position.",
+     "counter-clockwise seen from the front; normals and uvs are optional, one a position.\n"
+     "{text = \"HELLO\", size = 1, depth = 0.2, align = \"center\", font =}: letters of that height and depth, in "
+     "metres,\n"
+     "seen from +z; the last line stands on y = 0, and x = 0 is its middle, \"left\" or \"right\" end. The same text "
+     "and\n"
+     "sizes give the same mesh.",
      new_mesh, API_CHANGES},
     {"mesh:set", "{positions =, normals =}",
      "Moves the corners: as many positions as it was made with. The normals are computed again unless given.", set_mesh,

@@ -6,6 +6,7 @@
  *             (svg.c), meshes (models.c) and scenes (scenes.c) that both sides see, Embree (embree.c)
  *   frames/   users' frames: games.c, shown_scenes.c; whole frames against Embree (frames.c, embree_frame.c), growth.c
  *   rays/     camera rays (visibility.c, camera.c), shadow.c, rays.c, what a right pixel costs (accuracy.c), robust.c
+ *   scripts/  games that do one thing over and over, and what it costs them
  *   llvmpipe/ users' frames by OpenGL, a program of its own
  *   load/     OBJ files, trees, memory     sim/   steps of the simulation, what a right motion costs */
 #ifndef DAFT_BENCH_H
@@ -49,7 +50,7 @@ typedef double bench_sample(void *context);
 
 typedef struct bench_subject {
     const char *scene, *what;
-    const char *unit; /* "ms", "mm" and "B/...": smaller is better; everything else: larger is */
+    const char *unit; /* "ms", "ns", "mm" and "B/...": smaller is better; everything else: larger is */
     const char *isa;
     int threads;
     bench_sample *ours, *peer; /* peer: NULL where there is none, or it is not installed */
@@ -157,6 +158,7 @@ bench_obj_loader *bench_find_tinyobj(void);
 void bench_games(bench *self);        /* users' frames: the games' demos */
 void bench_shown_scenes(bench *self); /* users' frames: assets/scenes */
 void bench_start_up(bench *self);     /* of the program */
+void bench_scripts(bench *self);      /* what games' scripts pay */
 void bench_visibility(bench *self);   /* camera rays */
 void bench_rays(bench *self);
 void bench_frames(bench *self);

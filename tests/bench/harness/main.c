@@ -286,6 +286,7 @@ int main(int argc, char **argv)
     bench_games(&self);
     bench_shown_scenes(&self);
     bench_start_up(&self);
+    bench_scripts(&self);
     bench_frames(&self);
     bench_visibility(&self);
     bench_shadow(&self);

@@ -1,4 +1,4 @@
--- Wasteful: a new colour, material, mesh and textured material with each update, and none of them kept for long.
+-- Wasteful: a new colour, material, mesh, text and textured material with each update, and none of them kept for long.
 local seen, last = {}, nil
 local textures = { "checker", "marble", "stone", "brick", "hazard" }
 
@@ -19,6 +19,8 @@ function daft.update()
     local material = daft.material { color = { n % 251 / 250, n % 241 / 240, n % 239 / 238 } }
     last = daft.entity { mesh = triangle(n), material = material }
     last:material({ color = { n % 113 / 112, n % 109 / 108, n % 107 / 106 }, texture = textures[n % #textures + 1] })
+    if score then score:destroy() end
+    score = daft.entity { mesh = daft.mesh { text = n % 1000, size = 0.3 }, position = { -2, 0, 0 } }
     if n % 50 == 0 then kept:set { color = { 0.5, n % 100 / 100, 0.125 } } end
     keeper:position(2, n % 7 / 7, 0)
 end

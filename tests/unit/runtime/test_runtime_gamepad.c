@@ -1,5 +1,5 @@
-/* runtime: gamepads, by one that SDL pretends there is: plugged in while the window is open, its buttons, sticks and
- * dead zone, and pulled out while it holds something. */
+/* runtime: keys by their places, whatever is printed on them; and gamepads, by one that SDL pretends there is: plugged
+ * in while the window is open, its buttons, sticks and dead zone, and pulled out while it holds something. */
 #include "platform/platform.h"
 
 #include <setjmp.h>
@@ -74,8 +74,57 @@ static void a_gamepad_is_keys_and_sticks(void **unused)
     screen->close(screen);
 }
 
+/* What the window hears when the key with this sign on it, in this place, is pressed. */
+static input_event pressed(platform *screen, SDL_Keycode sign, SDL_Scancode place)
+{
+    SDL_Event event = {.key = {.type = SDL_KEYDOWN, .state = SDL_PRESSED, .keysym = {.scancode = place, .sym = sign}}};
+    platform_event out;
+    input_event heard = {.kind = INPUT_WHEEL};
+    SDL_PushEvent(&event);
+    while (screen->poll(screen, &out)) /* to the end: SDL marks it */
+        if (out.kind == PLATFORM_INPUT && out.input.kind == INPUT_KEY) heard = out.input;
+    assert_int_equal(heard.kind, INPUT_KEY);
+    return heard;
+}
+
+/* On a French keyboard, a Russian one, and one whose Caps Lock is Esc. */
+static void keys_are_places(void **unused)
+{
+    (void)unused;
+    static const struct {
+        SDL_Keycode sign;
+        SDL_Scancode place;
+        const char *key, *letter;
+    } CASES[] = {{SDLK_q, SDL_SCANCODE_A, "a", "q"},
+                 {SDLK_z, SDL_SCANCODE_W, "w", "z"},
+                 {SDLK_AMPERSAND, SDL_SCANCODE_1, "1", "1"},
+                 {SDLK_m, SDL_SCANCODE_SEMICOLON, ";", "m"},
+                 {0x444, SDL_SCANCODE_A, "a", "a"},
+                 {SDLK_ESCAPE, SDL_SCANCODE_CAPSLOCK, "escape", "escape"},
+                 {SDLK_LEFT, SDL_SCANCODE_LEFT, "left", "left"},
+                 {SDLK_SPACE, SDL_SCANCODE_SPACE, "space", "space"},
+                 {SDLK_KP_5, SDL_SCANCODE_KP_5, "keypad 5", "keypad 5"}};
+    daft_error error;
+    setenv("SDL_VIDEODRIVER", "dummy", 1);
+    platform *screen = platform_open_sdl("keys", 320, 180, &error);
+    if (!screen) fail_msg("%s", error.message);
+    for (size_t i = 0; i < sizeof CASES / sizeof CASES[0]; i++) {
+        const input_event event = pressed(screen, CASES[i].sign, CASES[i].place);
+        assert_string_equal(input_key_name(event.key), CASES[i].key);
+        assert_string_equal(input_key_name(input_letter(&event)), CASES[i].letter);
+    }
+    char label[32];
+    assert_true(screen->key_label(screen, "left shift", label, sizeof label));
+    assert_string_equal(label, "Left Shift");
+    assert_true(screen->key_label(screen, "a", label, sizeof label));
+    assert_string_equal(label, "A"); /* without a display the keyboard is a US one */
+    assert_false(screen->key_label(screen, "mouse1", label, sizeof label));
+    screen->close(screen);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(a_gamepad_is_keys_and_sticks)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(a_gamepad_is_keys_and_sticks),
+                                       cmocka_unit_test(keys_are_places)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -14,6 +14,8 @@
 
 #include <cmocka.h>
 
+#include <math.h>
+
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -321,15 +323,110 @@ static void keys_of_the_player_stand_for_keys_of_the_game(void **unused)
     assert_memory_equal(&map, &again, sizeof map);
     /* Every key another one still fits; what is no map changes nothing. */
     for (int i = 0; input_key_name(i); i++) map.to[i] = (uint8_t)(i ? i - 1 : KEY_MAP_NONE);
+    for (int i = INPUT_KEYS; i < KEY_MAP_INPUTS; i++) map.to[i] = (uint8_t)(KEY_MAP_INPUTS - 1 - (i - INPUT_KEYS));
     key_map_write(&map, text);
     key_map_read(&again, text);
     assert_memory_equal(&map, &again, sizeof map);
-    static const char *const bad[] = {"x", "space\t", "space\tnokey\t", "\tspace\t", "no\ta\t"};
+    static const char *const bad[] = {"x", "space\t", "space\tnokey\t", "\tspace\t", "no\ta\t", "left x\ta\t"};
     key_map_reset(&map);
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         key_map_read(&again, bad[i]);
         assert_memory_equal(&map, &again, sizeof map);
     }
+}
+
+static key_map chosen;
+static held_inputs held;
+
+/* What the game hears when the player moves a stick or a key, as text. */
+static const char *heard(const char *moved, float x)
+{
+    static char text[96];
+    const int stick = input_stick_find(moved);
+    const input_event event = stick >= 0 ? (input_event){.kind = INPUT_STICK, .key = stick, .x = x}
+                                         : (input_event){.kind = INPUT_KEY, .key = key(moved), .down = x != 0};
+    input_event out[KEY_MAP_EVENTS];
+    size_t count, used = 0;
+    const char *const *sticks = input_stick_names(&count);
+    const int events = key_map_translate(&chosen, &held, &event, out);
+    text[0] = 0;
+    for (int i = 0; i < events; i++)
+        used += (size_t)(out[i].kind == INPUT_STICK
+                             ? snprintf(text + used, sizeof text - used, "%s %g;", sticks[out[i].key], (double)out[i].x)
+                             : snprintf(text + used, sizeof text - used, "%c%s;", out[i].down ? '+' : '-',
+                                        input_key_name(out[i].key)));
+    return text;
+}
+
+static void sticks_of_the_player_stand_for_what_the_game_asks(void **unused)
+{
+    (void)unused;
+    const int left_x = input_stick_find("left x"), right_y = input_stick_find("right y"),
+              trigger = input_stick_find("right trigger");
+    key_map_reset(&chosen);
+    assert_string_equal(heard("left x", 0.3f), "left x 0.3;");
+    assert_string_equal(heard("left x", -1), "left x -1;");
+    assert_string_equal(heard("left x", NAN), "");
+    assert_string_equal(heard("left x", 0), "left x 0;");
+    /* A trigger for a key, with some play between down and up. */
+    key_map_set(&chosen, key("space"), key_map_half(trigger, false));
+    assert_string_equal(heard("right trigger", 0.45f), "");
+    assert_string_equal(heard("right trigger", 0.5f), "+space;");
+    assert_string_equal(heard("right trigger", 0.45f), "");
+    assert_string_equal(heard("right trigger", 0.4f), "-space;");
+    assert_string_equal(heard("space", 1), "");
+    /* A stick upside down for another. */
+    key_map_set_stick(&chosen, left_x, key_map_half(right_y, true));
+    assert_string_equal(heard("right y", 0.25f), "left x -0.25;");
+    assert_string_equal(heard("right y", -1), "left x 1;");
+    assert_string_equal(heard("left x", 1), "");
+    /* A key for a half beside the other half, and the two halves of one stick for two keys. */
+    key_map_reset(&chosen);
+    held = (held_inputs){.stick = {0}};
+    key_map_set(&chosen, key_map_half(left_x, true), key("q"));
+    assert_string_equal(heard("q", 1), "left x -1;");
+    assert_string_equal(heard("left x", 0.75f), "left x -0.25;");
+    assert_string_equal(heard("q", 0), "left x 0.75;");
+    key_map_set(&chosen, key("a"), key_map_half(right_y, true));
+    key_map_set(&chosen, key("b"), key_map_half(right_y, false));
+    assert_string_equal(heard("right y", 1), "+b;");
+    assert_string_equal(heard("right y", -1), "-b;+a;");
+    char text[KEY_MAP_NAME];
+    assert_string_equal(key_map_label(NULL, key_map_shown(&chosen, key("a")), false, text), "right stick up");
+    assert_string_equal(key_map_name(key_map_shown(&chosen, key("a")), text), "-right y");
+    assert_string_equal(key_map_label(NULL, key_map_half(left_x, true), true, text), "left stick → ←");
+    /* Whichever way inputs stand for others, all that is let go leaves everything at rest. */
+    key_map_reset(&chosen);
+    held = (held_inputs){.stick = {0}};
+    float sticks[INPUT_STICKS] = {0};
+    bool down[INPUT_KEYS] = {false};
+    uint32_t number = 5;
+    for (int i = 0; i < KEY_MAP_INPUTS; i++) {
+        number = number * 1664525u + 1013904223u;
+        const int asked = (int)((number >> 8) % KEY_MAP_INPUTS);
+        if (asked < INPUT_KEYS && !input_key_name(asked)) continue;
+        if (i < INPUT_KEYS && !input_key_name(i)) continue;
+        key_map_set(&chosen, asked, i);
+    }
+    for (int i = 0; i < 20000; i++) {
+        number = number * 1664525u + 1013904223u;
+        const bool stick = (number >> 8) % 2, rest = i >= 18000;
+        const int which = (int)((number >> 9) % (stick ? INPUT_STICKS : (unsigned)key("start again")));
+        const float x = rest ? 0 : (float)((int)(number >> 12) % 201 - 100) / 100;
+        const input_event event = {
+            .kind = stick ? INPUT_STICK : INPUT_KEY, .key = which, .down = !rest && x > 0, .x = x};
+        input_event out[KEY_MAP_EVENTS];
+        const int count = key_map_translate(&chosen, &held, &event, out);
+        for (int k = 0; k < count; k++)
+            if (out[k].kind == INPUT_STICK) {
+                assert_true(out[k].x >= -1 && out[k].x <= 1);
+                sticks[out[k].key] = out[k].x;
+            } else {
+                down[out[k].key] = out[k].down;
+            }
+    }
+    for (int i = 0; i < INPUT_STICKS; i++) assert_true(sticks[i] == 0);
+    for (int i = 0; i < INPUT_KEYS; i++) assert_false(down[i]);
 }
 
 /* The tick that was given this input did not come to its end: its replay gets there too. */
@@ -441,6 +538,7 @@ int main(void)
                                        cmocka_unit_test(letters_and_widths_are_recorded),
                                        cmocka_unit_test(actions_sum_their_inputs),
                                        cmocka_unit_test(keys_of_the_player_stand_for_keys_of_the_game),
+                                       cmocka_unit_test(sticks_of_the_player_stand_for_what_the_game_asks),
                                        cmocka_unit_test(a_recording_holds_the_tick_that_failed),
                                        cmocka_unit_test(bad_files_say_where),
                                        cmocka_unit_test(random_bytes_do_no_harm)};

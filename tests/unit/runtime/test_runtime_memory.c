@@ -84,6 +84,15 @@ static void what_a_game_lets_go_of_is_freed(void **unused)
     if (!(many < 1.1 * some)) fail_msg("%.0f bytes after 1,000 ticks, %.0f after 10,000", some, many);
 }
 
+/* What is given back in numbers, or in tables that the game gives again. */
+static void a_steady_game_makes_no_garbage(void **unused)
+{
+    (void)unused;
+    int status = run_daft(output, "play tests/games/steady --headless --ticks 400");
+    assert_status(status, 0, output);
+    assert_says(output, "garbage: 0 bytes a tick");
+}
+
 /* When Lua collects, and how many pictures are drawn, makes no difference. */
 static void freeing_is_the_same_in_every_run(void **unused)
 {
@@ -106,6 +115,7 @@ int main(void)
         cmocka_unit_test(stats_tell_it),
         cmocka_unit_test(sizes_are_parsed),
         cmocka_unit_test(what_a_game_lets_go_of_is_freed),
+        cmocka_unit_test(a_steady_game_makes_no_garbage),
         cmocka_unit_test(freeing_is_the_same_in_every_run),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -25,8 +25,8 @@
 
 typedef struct happening {
     uint64_t frame;
-    const char *key; /* "+left", "-left", "focus", "close", "click" at x, y, "size" x by y, "text " and a letter, or
-                        "write " and a script */
+    const char *key; /* "+left", "-left", "~left x" to x, "focus", "close", "click" at x, y, "size" x by y, "text " and
+                        a letter, or "write " and a script */
     float x, y;
 } happening;
 
@@ -85,6 +85,9 @@ static bool poll_script(platform *self, platform_event *out)
     } else if (strncmp(now->key, "text ", 5) == 0) {
         const char *letter = now->key + 5;
         out->input = (input_event){.kind = INPUT_TEXT, .key = (int)utf8_next(&letter)};
+    } else if (now->key[0] == '~') {
+        out->input = (input_event){.kind = INPUT_STICK, .key = input_stick_find(now->key + 1), .x = now->x};
+        assert_true(out->input.key >= 0);
     } else if (strcmp(now->key, "size") == 0) {
         p->width = (int)now->x, p->height = (int)now->y;
         return poll_script(self, out);
@@ -142,6 +145,16 @@ static void set_size_script(platform *self, int width, int height)
     p->wished_width = width, p->wished_height = height;
 }
 
+/* A French keyboard, as far as it matters. */
+static bool key_label_script(platform *self, const char *key, char *out, size_t size)
+{
+    static const char *const PAIRS[] = {"aQ", "qA", "wZ", "zW", ";M", "m,"};
+    (void)self;
+    for (size_t i = 0; i < COUNT_OF(PAIRS); i++)
+        if (key[0] == PAIRS[i][0] && !key[1]) return snprintf(out, size, "%s", PAIRS[i] + 1) > 0;
+    return false;
+}
+
 static bool full_screen_script(platform *self, int wish)
 {
     script_platform *p = (script_platform *)self;
@@ -193,6 +206,7 @@ static void set_up(const happening *script, size_t count)
                                           .set_size = set_size_script,
                                           .full_screen = full_screen_script,
                                           .set_icon = set_icon_script,
+                                          .key_label = key_label_script,
                                           .copy = copy_script,
                                           .grab_mouse = grab_script,
                                           .hide = hide_script},
@@ -504,6 +518,60 @@ static void other_keys_are_chosen_in_the_menu(void **unused)
     drop_folder();
 }
 
+/* "jump" by the left trigger, and "walk" by the right stick, the other way round: the recording has what the game asked
+ * for, and its replay does the same. */
+static void sticks_are_chosen_in_the_menu(void **unused)
+{
+    (void)unused;
+    static char output[OUTPUT_SIZE];
+    int count;
+    make_folder();
+    const happening script[] = {{4, "+escape", 0, 0},
+                                {5, "+down", 0, 0},
+                                {5, "+down", 0, 0},
+                                {6, "+down", 0, 0},
+                                {7, "+down", 0, 0},
+                                {8, "+down", 0, 0},
+                                {9, "+return", 0, 0},
+                                {10, "+return", 0, 0},
+                                {11, "~left trigger", 0.3f, 0},
+                                {12, "~left trigger", 0.9f, 0},
+                                {13, "~left trigger", 0, 0},
+                                {14, "+up", 0, 0},
+                                {14, "+up", 0, 0},
+                                {15, "+up", 0, 0},
+                                {16, "+return", 0, 0},
+                                {17, "+x", 0, 0},
+                                {18, "~right trigger", 1, 0},
+                                {19, "~right x", -0.8f, 0},
+                                {20, "+escape", 0, 0},
+                                {21, "+escape", 0, 0},
+                                {30, "~left trigger", 0.55f, 0},
+                                {32, "~left trigger", 0.45f, 0},
+                                {34, "~left trigger", 0.3f, 0},
+                                {36, "~right x", -0.5f, 0},
+                                {38, "~right x", 0.25f, 0},
+                                {39, "+space", 0, 0},
+                                {40, "~left x", 1, 0},
+                                {50, "close", 0, 0}};
+    PLAY(script);
+    s.def.pauses = true, s.def.record = recorded, s.def.settings = folder;
+    assert_int_equal(play("actions"), SESSION_CLOSED);
+    tear_down();
+    static const struct {
+        const char *line;
+        int count;
+    } WANTED[] = {{"+space", 1},  {"-space", 1}, {"stick 0.5 left x", 1}, {"stick -0.25 left x", 1},
+                  {"trigger", 0}, {"right x", 0}};
+    for (size_t i = 0; i < COUNT_OF(WANTED); i++) {
+        count_lines(recorded, WANTED[i].line, &count);
+        if (count != WANTED[i].count) fail_msg("'%s' is recorded %d times", WANTED[i].line, count);
+    }
+    assert_status(run_daft(output, "play tests/games/actions --headless --hash --strict --replay %s", recorded), 0,
+                  output);
+    drop_folder();
+}
+
 /* It is part of the recording: the replay starts again at the same tick. */
 static void starting_again_is_replayed(void **unused)
 {
@@ -630,6 +698,36 @@ static void wrong_scripts_leave_the_old_ones_running(void **unused)
     assert_int_equal(sscanf(now, "\"%d after %d", &x, &ticks), 2);
     assert_int_equal(x, 10 * (ticks + 1 - 4));
     assert_in_range(ticks, 87, 91);
+    drop_folder();
+}
+
+/* The game binds places; what it shows is what the player reads there, or has chosen instead. */
+static void keys_are_told_as_the_player_reads_them(void **unused)
+{
+    (void)unused;
+    char now[128];
+    begin_changing();
+    write_game("daft.input.bind('walk', 'a', 'left')\n"
+               "local shown = ''\n"
+               "function daft.draw()\n"
+               "  shown = daft.input.label('walk') .. ' ' .. daft.input.label('w') .. ' ' .. daft.input.label('left')\n"
+               "    .. ' ' .. daft.input.label('+left x')\n"
+               "end\n"
+               "function daft.update() daft.save('x', shown) end\n");
+    const happening script[] = {{20, "close", 0, 0}};
+    PLAY(script);
+    assert_int_equal(play_changing(), SESSION_CLOSED);
+    saved_x(now);
+    assert_non_null(strstr(now, "Q Z Left left stick right"));
+    /* "walk" by the key in the place of M. */
+    const happening other[] = {{4, "+escape", 0, 0},  {5, "+up", 0, 0},     {5, "+up", 0, 0}, {6, "+up", 0, 0},
+                               {7, "+return", 0, 0},  {8, "+return", 0, 0}, {9, "+;", 0, 0},  {10, "+escape", 0, 0},
+                               {11, "+escape", 0, 0}, {40, "close", 0, 0}};
+    PLAY(other);
+    s.def.pauses = true;
+    assert_int_equal(play_changing(), SESSION_CLOSED);
+    saved_x(now);
+    assert_non_null(strstr(now, "M Z Left left stick right"));
     drop_folder();
 }
 
@@ -940,6 +1038,8 @@ int main(void)
                                        cmocka_unit_test(the_player_chooses_the_picture),
                                        cmocka_unit_test(starting_again_is_replayed),
                                        cmocka_unit_test(other_keys_are_chosen_in_the_menu),
+                                       cmocka_unit_test(keys_are_told_as_the_player_reads_them),
+                                       cmocka_unit_test(sticks_are_chosen_in_the_menu),
                                        cmocka_unit_test(saved_scripts_take_effect_while_the_game_runs),
                                        cmocka_unit_test(wrong_scripts_leave_the_old_ones_running),
                                        cmocka_unit_test(a_game_that_began_again_is_relived_from_there),

@@ -1,0 +1,9 @@
+-- Two million turns over tables of a thousand names.
+local names = {}
+for i = 1, 1000 do names["name " .. i] = i end
+function daft.update()
+    local sum = 0
+    for round = 1, 2000 do
+        for _, v in pairs(names) do sum = sum + v end
+    end
+end
