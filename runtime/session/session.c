@@ -56,6 +56,7 @@ static bool run_updates(session *s, int updates, daft_error *error)
     }
     const double ms = (double)(clock_now_ns() - began) / 1e6;
     if (updates > 0 && !s->play->failed) s->update_ms = session_smooth(s->update_ms, ms), s->drawn_ms += ms;
+    graph_add_update(&s->graph, ms);
     return true;
 }
 
@@ -135,6 +136,7 @@ static bool turn_paused(session *s, daft_error *error)
     session_picture_size(s->def, &width, &height);
     s->redraws |= !s->picture || width != daft_image_width(s->picture) || height != daft_image_height(s->picture);
     s->last_ns = screen->now_ns(screen);
+    graph_end_frame(&s->graph, 0);
     grab_mouse(s, false);
     if (s->redraws) {
         if (!session_draw(s, loop_alpha(&s->clock), error)) return false;
@@ -164,6 +166,7 @@ static bool turn(session *s, daft_error *error)
     s->last_ns = now;
     if (s->turns++ > 1)
         s->turn_ms = session_smooth(s->turn_ms, (double)elapsed / 1e6); /* the first turns have no interval */
+    graph_end_frame(&s->graph, s->turns > 2 ? (double)elapsed / 1e6 : 0);
     govern(s, (double)elapsed / 1e6);
     const bool full_speed = isinf(session_speed(s)) && !s->def->screen->headless;
     if (!(full_speed ? run_at_full_speed(s, error) : run_updates(s, session_updates_due(s, elapsed), error)))

@@ -12,6 +12,7 @@
 #include "game/loop.h"
 #include "game/pause.h"
 #include "game/relive.h"
+#include "hud/graph.h"
 #include "sound/tape.h"
 
 #include <stdatomic.h>
@@ -48,6 +49,7 @@ typedef struct session {
     bool left, closed, overlay, xray, reported;
     bool wants_reload, wants_shot, grabbed;
     frame_times times;
+    frame_graph graph;                        /* for the overlay */
     double update_ms, frame_ms, turn_ms;      /* smoothed, for the overlay */
     uint64_t hashed, drawn, shot_done, turns; /* ticks */
     progress_bar bar;
