@@ -3,7 +3,7 @@
  * tables.
  *
  * A binding reads its arguments, calls libdaft, and only then may raise an error.
- * Public headers: api.h host.h watchdog.h fields.h failure.h trial.h */
+ * Public headers: api.h host.h statement.h watchdog.h fields.h failure.h trial.h */
 #ifndef RUNTIME_API_H
 #define RUNTIME_API_H
 
@@ -153,6 +153,8 @@ api_handle *api_new_handle(lua_State *L, api_type type, uint32_t id);
 void api_set_type(lua_State *L, api_type type);
 /* The handle at index, or NULL when it is not of this type. */
 api_handle *api_test_handle(lua_State *L, int index, api_type type);
+/* Pushes the table of the type's methods, and is true. */
+bool api_push_methods(lua_State *L, api_type type);
 api_handle *api_check_handle(lua_State *L, host *h, int index, api_type type, const char *what);
 const char *api_type_name(lua_State *L, int index);
 

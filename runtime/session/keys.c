@@ -2,6 +2,7 @@
 #include "session/state.h"
 
 #include "common/util.h"
+#include "session/tools.h"
 #include "platform/audio.h"
 
 #include <inttypes.h>
@@ -171,9 +172,11 @@ void session_take_events(session *s)
 {
     platform *screen = s->def->screen;
     for (platform_event event; screen->poll(screen, &event);) {
+        if (tools_take(s, &event)) continue;
         switch (event.kind) {
         case PLATFORM_CLOSE: s->closed = true; break;
         case PLATFORM_FOCUS_LOST: input_push_release_all(&s->play->keys); break;
+        case PLATFORM_CONSOLE:
         case PLATFORM_DROP: break;
         case PLATFORM_INPUT:
             session_scale_mouse(screen, &event.input);
@@ -181,5 +184,6 @@ void session_take_events(session *s)
             break;
         }
     }
+    tools_turn(s);
     atomic_store(&s->polled_ns, clock_now_ns());
 }

@@ -5,6 +5,7 @@
 #include "game/xray.h"
 #include "hud/screens.h"
 #include "session/panels.h"
+#include "session/tools.h"
 
 #include <stdio.h>
 
@@ -115,6 +116,7 @@ bool session_draw(session *s, float alpha, daft_error *error)
     } else {
         draw_failure(s);
     }
+    tools_draw(s);
     if (s->notice[0] && !(s->play->failed && s->notice_ns)) {
         canvas over = canvas_over(s->picture);
         screen_notice(&over, s->def->face, s->notice, s->notice_ns == 0);

@@ -4,6 +4,7 @@
 #include "common/stop.h"
 #include "common/util.h"
 #include "session/costs.h"
+#include "session/tools.h"
 #include "platform/audio.h"
 
 #include <math.h>
@@ -160,7 +161,7 @@ static bool turn(session *s, daft_error *error)
         if (!game_reload(s->play, error)) return false;
     }
     if (!session_take_changes(s, error)) return false;
-    grab_mouse(s, s->play->scripts.grab && !s->play->failed);
+    grab_mouse(s, s->play->scripts.grab && !s->play->failed && !tools_want_mouse(s));
     uint64_t now = screen->now_ns(screen);
     uint64_t elapsed = now - s->last_ns;
     s->last_ns = now;
@@ -241,6 +242,8 @@ static bool run(session *s, daft_error *error)
                      .map = &s->keys,
                      .seconds = def->seconds,
                      .asked = asked,
+                     .printed = def->screen->headless ? NULL : tools_printed,
+                     .answered = def->screen->headless ? NULL : tools_answered,
                      .heard = s->sounds.writer || s->def->speaks ? heard : NULL,
                      .user = s};
     watch_begin(&s->files, s->def->watches && !s->info->packed ? s->info->folder : NULL);
@@ -295,6 +298,7 @@ session_end session_play(const session_def *def, const game_info *info, daft_err
     daft_image_destroy(s.small);
     frame_times_free(&s.times);
     trail_free(&s.past);
+    console_free(&s.console);
     if (!good || failed) return SESSION_FAILED;
     return s.closed ? SESSION_CLOSED : s.left ? SESSION_LEFT : SESSION_DONE;
 }

@@ -4,6 +4,7 @@
 #define RUNTIME_SESSION_STATE_H
 
 #include "session/session.h"
+#include "session/console.h"
 
 #include "files/saves.h"
 #include "files/watch.h"
@@ -34,6 +35,7 @@ typedef struct session {
     recording replay;
     agreement agreed;
     recorder *record;
+    console console; /* tools.c */
     tape sounds;
     saves *kept, *own; /* the game's; the program's */
     player_settings settings;
