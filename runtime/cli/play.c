@@ -21,7 +21,8 @@ static const cli_command COMMAND = {
     "Plays a game: a folder with a main.lua, a packed game (.daft), or the name of one in games/. Without GAME, shows "
     "a menu.",
     "Keys: Esc opens a menu, F1 shows the time of each effect and of the last frames, F3 the shapes and contacts of "
-    "bodies, the key left of 1 opens a console for Lua, F11 or Alt+Enter toggles full screen, F12 writes a picture.\n"
+    "bodies, F4 the fields of an entity, the key left of 1 opens a console for Lua, F11 or Alt+Enter toggles full "
+    "screen, F12 writes a picture.\n"
     "Without a display it plays the game's recorded demo (marble's when GAME is missing) and writes daft-demo.png.",
     0,
     1};

@@ -432,6 +432,15 @@ static void sweep_entities(lua_State *L, host *h, int table)
     lua_setfield(L, table, "held");
 }
 
+bool api_push_known_entity(lua_State *L, uint32_t id)
+{
+    lua_rawgetp(L, LUA_REGISTRYINDEX, &ENTITIES_KEY);
+    const bool known = lua_rawgeti(L, -1, (lua_Integer)id) == LUA_TUSERDATA;
+    lua_remove(L, -2);
+    if (!known) lua_pop(L, 1);
+    return known;
+}
+
 void api_push_entity(lua_State *L, uint32_t id)
 {
     if (id == 0) {

@@ -188,6 +188,8 @@ void api_add_tags(lua_State *L, int entity); /* which have been checked */
 
 /* Pushes the userdata of an entity, always the same one for the same entity; nil for none. */
 void api_push_entity(lua_State *L, uint32_t id);
+/* Pushes it where the script has met it, and is true; makes nothing. */
+bool api_push_known_entity(lua_State *L, uint32_t id);
 daft_entity api_entity_at(lua_State *L, host *h, int index, const char *what);
 /* A texture name, "#colour", file.mtl#name, a table or a material. */
 daft_material api_material_at(lua_State *L, host *h, int index, const char *what);

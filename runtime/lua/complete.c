@@ -5,6 +5,7 @@
 #include "lua/api.h"
 
 #include <ctype.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -153,4 +154,33 @@ void host_complete(host *state, const char *text, completions *out)
     if (path == last) search_locals(L, NULL, 0, last, out);
     lua_settop(L, top);
     qsort(out->names, out->count, sizeof *out->names, compare);
+}
+
+/* ---- entities ---- */
+
+static void put_text(lua_State *L, char out[ENTITY_TEXT])
+{
+    const size_t used = strlen(out);
+    if (lua_type(L, -1) == LUA_TSTRING)
+        snprintf(out + used, ENTITY_TEXT - used, "%s%s", used ? ", " : "", lua_tostring(L, -1));
+}
+
+/* tables/tags.c says how they lie in the user value. */
+void host_entity_texts(host *state, uint32_t id, char name[ENTITY_TEXT], char tags[ENTITY_TEXT])
+{
+    lua_State *L = state->L;
+    const int top = lua_gettop(L);
+    name[0] = tags[0] = 0;
+    if (api_push_known_entity(L, id)) {
+        lua_getiuservalue(L, -1, 1);
+        lua_pushvalue(L, -1);
+        if (enter(L, "name", 4)) put_text(L, name);
+        lua_settop(L, top + 2);
+        const lua_Integer count = enter(L, "tags", 4) ? (lua_Integer)lua_rawlen(L, -1) : 0;
+        for (lua_Integer i = 1; i <= count; i++, lua_pop(L, 1)) {
+            lua_rawgeti(L, -1, i);
+            put_text(L, tags);
+        }
+    }
+    lua_settop(L, top);
 }

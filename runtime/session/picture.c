@@ -50,10 +50,9 @@ static void draw_overlay(session *s)
         snprintf(quality, sizeof quality, "%s for %.1f ms: %s", governor_rung_at(g->rung)->name, g->target_ms, g->why);
         figures.quality = quality, figures.slow_ms = governor_slow_ms(g);
     }
-    panels placed = {.marks = &s->play->scripts.texts};
-    panels_place(&placed, &over, 312, 640);
+    panels_place(&s->placed, &over, 312, 640);
     screen_overlay(&over, s->def->face, &figures);
-    panels_place(&placed, &over, GRAPH_WIDTH + 12, GRAPH_HEIGHT + 24);
+    panels_place(&s->placed, &over, GRAPH_WIDTH + 12, GRAPH_HEIGHT + 24);
     over.origin_y += 12 * over.unit;
     graph_draw(&over, s->def->face, &s->graph, s->governs ? s->pace.target_ms : 1000.0 / 60);
 }
@@ -104,6 +103,7 @@ bool session_draw(session *s, float alpha, daft_error *error)
 {
     if (!session_fit_picture(s->def, &s->picture, error)) return false;
     s->drawn = s->play->ticks;
+    s->placed = (panels){.marks = &s->play->scripts.texts};
     uint64_t began = clock_now_ns();
     const bool drawn = draw_game(s, alpha, error);
     if (!drawn && !s->play->failed) return false;
@@ -116,7 +116,7 @@ bool session_draw(session *s, float alpha, daft_error *error)
     } else {
         draw_failure(s);
     }
-    tools_draw(s);
+    tools_draw(s, alpha);
     if (s->notice[0] && !(s->play->failed && s->notice_ns)) {
         canvas over = canvas_over(s->picture);
         screen_notice(&over, s->def->face, s->notice, s->notice_ns == 0);

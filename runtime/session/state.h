@@ -5,6 +5,7 @@
 
 #include "session/session.h"
 #include "session/console.h"
+#include "session/inspector.h"
 
 #include "files/saves.h"
 #include "files/watch.h"
@@ -36,6 +37,8 @@ typedef struct session {
     agreement agreed;
     recorder *record;
     console console; /* tools.c */
+    inspector inspector;
+    panels placed; /* of the picture at work */
     tape sounds;
     saves *kept, *own; /* the game's; the program's */
     player_settings settings;

@@ -8,7 +8,9 @@
 bool tools_take(session *s, const platform_event *event);
 /* Once a turn, after its events. */
 void tools_turn(session *s);
-void tools_draw(session *s);
+void tools_draw(session *s, float alpha);
+/* F4. */
+void tools_toggle_inspector(session *s);
 /* Whether the mouse is to be free. */
 bool tools_want_mouse(const session *s);
 

@@ -1,4 +1,5 @@
-/* runtime: the console: lines of Lua as a part of a game and of its recordings, typed at a platform made for tests. */
+/* runtime: the console and the inspector: lines of Lua as a part of a game and of its recordings, typed at a platform
+ * made for tests. */
 #include "cli/commands.h"
 #include "cli/cli.h"
 #include "common/util.h"
@@ -7,6 +8,7 @@
 #include "lua/statement.h"
 #include "runtime_program.h"
 #include "session/console.h"
+#include "session/inspector.h"
 #include "session/session.h"
 
 #include <setjmp.h>
@@ -26,7 +28,8 @@
 
 typedef struct happening {
     uint64_t frame;
-    const char *what; /* "+key", "-key", "console", "close", or letters that are typed after a blank */
+    const char *what; /* "+key", "-key", "console", "close", "@x y" in hundredths of the window, or letters that
+                         are typed after a blank */
 } happening;
 
 typedef struct script_platform {
@@ -52,6 +55,9 @@ static bool poll_script(platform *self, platform_event *out)
     }
     if (strcmp(what, "close") == 0)
         out->kind = PLATFORM_CLOSE;
+    else if (what[0] == '@')
+        out->input = (input_event){
+            .kind = INPUT_MOVE, .x = (float)atoi(what + 1) / 100, .y = (float)atoi(strchr(what, ' ')) / 100};
     else if (strcmp(what, "console") == 0)
         out->kind = PLATFORM_CONSOLE;
     else
@@ -223,6 +229,31 @@ static void a_recording_is_left_alone(void **unused)
     assert_true(s.screen.hash == alone);
 }
 
+/* The ball falls through the middle of the picture. */
+static void the_inspector_takes_clicks_and_changes_are_recorded(void **unused)
+{
+    (void)unused;
+    static char output[OUTPUT_SIZE];
+    const happening clicks[] = {{5, "+f4"},         {6, "@50 45"},    {6, "+mouse1"},
+                                {7, "-mouse1"},     {8, "+down"},     {8, "-down"},
+                                {9, "+down"},       {9, "-down"},     {10, "+down"},
+                                {10, "-down"},      {11, "+return"},  {11, "-return"},
+                                {12, "+left ctrl"}, {12, "+u"},       {12, "-u"},
+                                {12, "-left ctrl"}, {13, " 0, 7, 0"}, {14, "+return"},
+                                {14, "-return"},    {20, "console"},  {21, " score = it:position() it = it"},
+                                {22, "+return"},    {30, "console"},  {31, "+escape"},
+                                {32, "-escape"},    {40, "+up"},      {90, "close"}};
+    assert_int_equal(PLAY(clicks), SESSION_CLOSED);
+    assert_int_equal(count_lines(":position(0, 7, 0)"), 1);
+    assert_int_equal(count_lines("lua score = entity_"), 1);
+    assert_int_equal(count_lines("it = it"), 0);
+    assert_int_equal(count_lines("it = entity_"), 1);
+    assert_int_equal(count_lines("mouse"), 0); /* the game hears of no click */
+    assert_int_equal(count_lines("down"), 0);
+    assert_int_equal(count_lines("+up"), 1); /* Esc has closed it */
+    assert_status(run_daft(output, "play tests/games/sample --headless --replay %s --strict", recorded), 0, output);
+}
+
 /* ---- in a game ---- */
 
 static game_state game;
@@ -238,8 +269,13 @@ static void keep_answer(void *user, const char *line, const char *answer, bool g
 static void open_game(void)
 {
     daft_error error;
-    const game_def def = {
-        .where = &s.where, .info = &s.info, .engine = s.engine, .face = s.face, .seed = 1, .answered = keep_answer};
+    const game_def def = {.where = &s.where,
+                          .info = &s.info,
+                          .engine = s.engine,
+                          .face = s.face,
+                          .seed = 1,
+                          .seconds = 120,
+                          .answered = keep_answer};
     assert_true(game_open(&game, &def, &error));
     assert_true(game_tick(&game));
 }
@@ -249,7 +285,7 @@ static const char *answer_to(const char *line)
 {
     answers[0] = 0;
     assert_true(game_run_line(&game, line));
-    assert_true(game_tick(&game));
+    if (!game_tick(&game)) fail_msg("%s: %s", line, game.scripts.failure.message);
     return answers;
 }
 
@@ -324,6 +360,92 @@ static void lines_that_do_not_fit_are_refused(void **unused)
     assert_false(game_run_line(&game, "1"));
     assert_true(game_tick(&game));
     assert_true(game_run_line(&game, "1"));
+    game_close(&game);
+}
+
+static inspector look;
+
+static inspector_wish press_look(const char *key)
+{
+    const input_event event = {.kind = INPUT_KEY, .key = input_key_find(key), .down = true};
+    return inspector_take(&look, &event, 0);
+}
+
+static const inspector_row *row_of(const char *label)
+{
+    inspector_read(&look, game.scene, &game.scripts);
+    for (look.at = 0; look.at < look.count; look.at++)
+        if (strstr(look.rows[look.at].label, label)) return &look.rows[look.at];
+    fail_msg("there is no row '%s'", label);
+    return NULL;
+}
+
+static void answer_look(void *user, const char *line, const char *answer, bool good)
+{
+    (void)user;
+    inspector_answered(&look, line, answer, good);
+}
+
+/* Each row takes what is typed, shows it from then on, and what is wrong it says. */
+static void fields_are_changed(void **unused)
+{
+    (void)unused;
+    static const struct {
+        const char *label, *typed, *shown, *told;
+    } CASES[] = {{"name", "the \"ball\\", "the \"ball\\", ""},
+                 {"tags", "red, round", "red, round", ""},
+                 {"tags", "blue", "blue", ""},
+                 {"tags", "", "", ""},
+                 {"position", "1, 40.1, 2", "1, 40.1, 2", ""},
+                 {"position", "1, nil, 2", NULL, "position"},
+                 {"yaw, pitch, roll", "0.5, 0.25, -1", "0.5, 0.25, -1", ""},
+                 {"scale", "2", NULL, "scale"},
+                 {"color", "#ff0000", "1, 0, 0", ""},
+                 {"color", "0, 0.5, 1", "0, 0.5, 1", ""},
+                 {"mirror", "0.25", "0.25", ""},
+                 {"mirror", "2", NULL, "between 0 and 1"},
+                 {"material", "#00ff00", "its own", ""},
+                 {"material", "checkr", NULL, "did you mean 'checker'"},
+                 {"gravity", "", NULL, "cannot be changed"},
+                 {"velocity", "1, 0, ball:mass() * 0", "1, 0, 0", ""}};
+    open_game();
+    game.def.answered = answer_look;
+    daft_entity all[8];
+    daft_entity_def def;
+    uint32_t count = daft_scene_entities(game.scene, all, 8);
+    inspector_show(&look, true);
+    for (uint32_t i = 0; i < count; i++)
+        if (daft_entity_get(game.scene, all[i], &def, NULL) && def.shape == DAFT_SHAPE_SPHERE)
+            inspector_choose(&look, all[i]);
+    look.box = (panel_box){0, 0, INSPECTOR_WIDTH, 600};
+    for (size_t i = 0; i < sizeof CASES / sizeof CASES[0]; i++) {
+        row_of(CASES[i].label);
+        look.edits = false;
+        inspector_wish wish = press_look("return");
+        if (look.edits) {
+            edit_set(&look.edit, CASES[i].typed);
+            wish = press_look("return");
+            assert_int_equal(wish, INSPECTOR_RUN);
+            assert_true(game_run_line(&game, look.line));
+            game.scripts.next_scale = 0; /* it stands still, to be looked at */
+            assert_true(game_tick(&game));
+        }
+        if (CASES[i].told[0] ? !strstr(look.told, CASES[i].told) : look.told[0] != 0)
+            fail_msg("%s, %s: '%s'", CASES[i].label, CASES[i].typed, look.told);
+        if (CASES[i].shown && strcmp(row_of(CASES[i].label)->value, CASES[i].shown) != 0)
+            fail_msg("%s, %s: %s", CASES[i].label, CASES[i].typed, row_of(CASES[i].label)->value);
+    }
+    /* What stands in a row is typed back to the bit. */
+    assert_string_equal(row_of("position")->exact, "1, 40.1, 2");
+    row_of("visible");
+    assert_int_equal(press_look("return"), INSPECTOR_RUN); /* flags change at once */
+    assert_true(game_run_line(&game, look.line) && game_tick(&game));
+    assert_string_equal(row_of("visible")->value, "false");
+    assert_true(daft_entity_destroy(game.scene, look.chosen, NULL));
+    inspector_read(&look, game.scene, &game.scripts);
+    assert_int_equal(look.count, 0);
+    assert_says(look.title, "is gone");
+    assert_int_equal(press_look("escape"), INSPECTOR_CLOSE);
     game_close(&game);
 }
 
@@ -530,6 +652,8 @@ int main(void)
                                        cmocka_unit_test(escape_closes_the_console_and_not_the_game),
                                        cmocka_unit_test(the_console_shows_itself),
                                        cmocka_unit_test(a_recording_is_left_alone),
+                                       cmocka_unit_test(the_inspector_takes_clicks_and_changes_are_recorded),
+                                       cmocka_unit_test(fields_are_changed),
                                        cmocka_unit_test(lines_are_answered),
                                        cmocka_unit_test(endless_lines_end_alike),
                                        cmocka_unit_test(lines_that_do_not_fit_are_refused),
