@@ -678,6 +678,10 @@ function daft.query.closest(from, max_distance, options, hit) end
 ---@return daft.material
 function daft.material(options) end
 
+---Changes what the table names of its material, for it alone.
+---@param options table
+function entity:repaint(options) end
+
 ---Changes what the table names, for everything that has this material.
 ---@param options daft.material.options
 function material:set(options) end

@@ -20,9 +20,10 @@ static const cli_command COMMAND = {
     "[GAME]",
     "Plays a game: a folder with a main.lua, a packed game (.daft), or the name of one in games/. Without GAME, shows "
     "a menu.",
-    "Keys: Esc opens a menu, F1 shows the time of each effect, F2 what other settings would cost, F3 the "
-    "shapes and contacts of bodies, F11 or Alt+Enter "
-    "toggles full screen, F12 writes a picture.\n"
+    "Keys: Esc opens a menu, F1 shows the time of each effect and of the last frames, F2 what other settings would "
+    "cost, F3 the shapes and contacts of "
+    "bodies, F4 the fields of an entity, the key left of 1 opens a console for Lua, F11 or Alt+Enter toggles full "
+    "screen, F12 writes a picture.\n"
     "Without a display it plays the game's recorded demo (marble's when GAME is missing) and writes daft-demo.png.",
     0,
     1};

@@ -7,8 +7,11 @@
 #include "game/loop.h"
 #include "game/relive.h"
 #include "common/util.h"
+#include "lua/statement.h"
 
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 static bool stop(game_state *state)
 {
@@ -47,6 +50,7 @@ static bool start(game_state *state, daft_error *error)
                     .seed = state->def.seed,
                     .seconds = state->def.seconds,
                     .asked = state->def.asked,
+                    .printed = state->def.printed,
                     .user = state->def.user};
     bool good = host_open(&state->scripts, &def);
     state->scripts.replaying = game_is_replaying(state);
@@ -56,6 +60,7 @@ static bool start(game_state *state, daft_error *error)
 
 static void end(game_state *state)
 {
+    while (state->line_count > 0) free(state->lines[--state->line_count]);
     host_close(&state->scripts);
     daft_scene_destroy(state->scene);
     state->scene = NULL;
@@ -125,6 +130,42 @@ static bool call_key_handlers(game_state *state)
     return true;
 }
 
+/* ---- lines of Lua ---- */
+
+bool game_run_line(game_state *state, const char *text)
+{
+    char line[STATEMENT_SIZE];
+    if (state->failed || state->line_count == GAME_LINES || game_is_replaying(state)) return false;
+    if (!recording_clean_line(text, line, sizeof line)) return false;
+    char *copy = strdup(line);
+    if (copy) state->lines[state->line_count++] = copy;
+    return copy != NULL;
+}
+
+static bool run_line(game_state *state, const char *text)
+{
+    char answer[STATEMENT_ANSWER];
+    if (state->def.trail) trail_line(state->def.trail, state->ticks, text);
+    if (state->def.record) recorder_line(state->def.record, state->ticks, text);
+    const statement_end ended = host_run_statement(&state->scripts, text, answer);
+    if (state->def.answered) state->def.answered(state->def.user, text, answer, ended == STATEMENT_DONE);
+    return ended != STATEMENT_STOPPED;
+}
+
+static bool run_lines(game_state *state)
+{
+    bool good = true;
+    if (game_is_replaying(state))
+        for (const char *text; good && (text = recording_line_at(state->def.replay, state->ticks));)
+            good = run_line(state, text);
+    for (size_t i = 0; i < state->line_count; i++) {
+        if (good && !game_is_replaying(state)) good = run_line(state, state->lines[i]);
+        free(state->lines[i]);
+    }
+    state->line_count = 0;
+    return good;
+}
+
 /* Ends the watchdog's section `what`; false where it took too long. */
 static bool in_time(game_state *state, const char *what)
 {
@@ -168,7 +209,8 @@ bool game_tick(game_state *state)
     daft_scene_begin_tick(state->scene);
     take_input(state);
     host_begin_tick(&state->scripts);
-    if (!host_collect(&state->scripts) || !call_key_handlers(state) || !host_update(&state->scripts, 1.0 / LOOP_RATE))
+    if (!host_collect(&state->scripts) || !run_lines(state) || !call_key_handlers(state) ||
+        !host_update(&state->scripts, 1.0 / LOOP_RATE))
         return stop(state);
     if (!step(state)) return false;
     sound_on(state);

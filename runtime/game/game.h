@@ -2,10 +2,10 @@
  * Public headers: game.h agree.h xray.h fingerprint.h recording.h loop.h governor.h ear.h pause.h relive.h.
  * recording.h reads and writes input, loop.h is the fixed time step, and game.h (this) runs one game, tick by tick,
  * without a window or a clock. One tick stores
- * the poses for interpolation, applies the input (live or recorded), calls daft.keypressed and daft.keyreleased, then
- * daft.update(1/60), then steps the simulation. Promises: the same recording gives the same ticks. After a script error
- * the game stops and keeps the message until it is reloaded. Callbacks, steps and pictures that take too long are
- * errors of that kind (lua/watchdog.h). */
+ * the poses for interpolation, applies the input (live or recorded), runs lines of Lua that somebody typed, calls
+ * daft.keypressed and daft.keyreleased, then daft.update(1/60), then steps the simulation. Promises: the same recording
+ * gives the same ticks. After a script error the game stops and keeps the message until it is reloaded. Callbacks,
+ * steps and pictures that take too long are errors of that kind (lua/watchdog.h). */
 #ifndef RUNTIME_GAME_GAME_H
 #define RUNTIME_GAME_GAME_H
 
@@ -37,8 +37,13 @@ typedef struct game_def {
     int (*asked)(void *user); /* whether the game is to stop: see watchdog_def. May be NULL */
     /* Each tick's sound, SOUND_TICK frames, left and right by turns; NULL: nobody listens, and nothing is mixed. */
     void (*heard)(void *user, const int16_t *frames);
+    /* What the script prints, piece by piece; what a line of Lua came to that ran. May be NULL. */
+    void (*printed)(void *user, const char *text, size_t size);
+    void (*answered)(void *user, const char *line, const char *answer, bool good);
     void *user;
 } game_def;
+
+enum { GAME_LINES = 16 };
 
 typedef struct game_state {
     game_def def;
@@ -47,6 +52,8 @@ typedef struct game_state {
     daft_scene *scene;
     host scripts;
     input keys;
+    char *lines[GAME_LINES]; /* of Lua, for the next tick */
+    size_t line_count;
     uint64_t ticks; /* since game_open; a restart does not reset it */
     /* When something last came to an end, a tick or a picture; and whether a picture is at work. For the watchdog's
      * thread. */
@@ -62,6 +69,9 @@ void game_close(game_state *state);
 /* Starts the game again: for R on the error screen, and for daft.restart. */
 bool game_reload(game_state *state, daft_error *error);
 
+/* Runs a line of Lua (lua/statement.h) as the next tick begins. False: it is none, too many wait, the game has failed
+ * or a recording plays, whose game it would change. */
+bool game_run_line(game_state *state, const char *text);
 /* False when the game has failed, now or before. */
 bool game_tick(game_state *state);
 /* Renders the scene and runs daft.draw over it; alpha interpolates between the last two ticks. False when the game has

@@ -123,12 +123,28 @@ static bool read_typed(reader *in, input_event *event)
     return line_ends(in);
 }
 
+/* The tick of the last event or line; 0: there is none. */
+static uint64_t last_tick(const recording *out)
+{
+    const uint64_t item = out->count > 0 ? out->items[out->count - 1].tick : 0;
+    const uint64_t line = out->line_count > 0 ? out->lines[out->line_count - 1].tick : 0;
+    return item > line ? item : line;
+}
+
+static bool is_empty(const recording *out) { return out->count == 0 && out->line_count == 0; }
+
+static bool read_lua(reader *in, uint64_t tick, recording *out)
+{
+    if (!*in->at) return bad(in, "a line of Lua expected", NULL);
+    return recording_add_line(out, tick, in->at) || fail(in->error, DAFT_ERROR_MEMORY, "out of memory for a recording");
+}
+
 static bool read_event(reader *in, recording *out, size_t *capacity)
 {
     recording_item item = {0};
     if (!take_count(in, &item.tick, "a tick, 'game', 'seed' or 'end' expected")) return false;
-    if (out->count > 0 && item.tick < out->items[out->count - 1].tick)
-        return bad(in, "the ticks must not go back", NULL);
+    if (item.tick < last_tick(out)) return bad(in, "the ticks must not go back", NULL);
+    if (take_word(in, "lua")) return read_lua(in, item.tick, out);
     bool good;
     if (*in->at == '+' || *in->at == '-') {
         good = read_key(in, &item.event);
@@ -145,7 +161,7 @@ static bool read_event(reader *in, recording *out, size_t *capacity)
     } else if (take_word(in, "text")) {
         good = read_typed(in, &item.event);
     } else {
-        good = bad(in, "+key, -key, mouse, motion, wheel, stick, width or text expected", NULL);
+        good = bad(in, "+key, -key, mouse, motion, wheel, stick, width, text or lua expected", NULL);
     }
     if (!good) return false;
     if (out->count == *capacity) {
@@ -164,7 +180,7 @@ static bool read_mark(reader *in, recording *out)
 {
     uint64_t ticks;
     if (!take_count(in, &ticks, "a number of ticks expected") || !line_ends(in)) return false;
-    if (ticks < out->end || (out->count > 0 && out->items[out->count - 1].tick >= ticks))
+    if (ticks < out->end || (!is_empty(out) && last_tick(out) >= ticks))
         return bad(in, "the ticks must not go back", NULL);
     out->end = ticks;
     return true;
@@ -310,8 +326,7 @@ static bool read_line(reader *in, recording *out, size_t *capacity, bool *ended)
     uint64_t marked = out->end;
     if (!take_count(in, &out->end, "a number of ticks expected")) return false;
     if (out->end < marked) return bad(in, "the recording ends before its last tick", NULL);
-    if (out->count > 0 && out->items[out->count - 1].tick >= out->end)
-        return bad(in, "the recording ends before its last event", NULL);
+    if (!is_empty(out) && last_tick(out) >= out->end) return bad(in, "the recording ends before its last event", NULL);
     *ended = true;
     return line_ends(in);
 }
@@ -322,6 +337,8 @@ static bool end_cut(reader *in, recording *out)
     if (out->end == 0)
         return fail_at(in->error, in->path, in->number, 1, "the 'end' line is missing: the file was cut short");
     while (out->count > 0 && out->items[out->count - 1].tick >= out->end) out->count--;
+    while (out->line_count > 0 && out->lines[out->line_count - 1].tick >= out->end)
+        free(out->lines[--out->line_count].text);
     while (out->state_count > 0 && out->states[out->state_count - 1].tick > out->end) out->state_count--;
     while (out->mark_count > 0 && out->marks[out->mark_count - 1].tick > out->end) out->mark_count--;
     out->cut = true;
@@ -345,7 +362,7 @@ static bool read_lines(reader *in, char *text, recording *out)
         line = next;
         skip_blanks(in);
         if (in->number == 1) {
-            if (take_word(in, "daft-recording") && in->at[0] >= '1' && in->at[0] <= '5' && !in->at[1]) continue;
+            if (take_word(in, "daft-recording") && in->at[0] >= '1' && in->at[0] <= '6' && !in->at[1]) continue;
             return bad(in, "'daft-recording 1' expected: this is not a recording of this version", NULL);
         }
         if (*in->at == 0 || *in->at == '#') continue;
@@ -373,6 +390,8 @@ bool recording_load(recording *out, const daft_files *files, const char *path, d
 void recording_free(recording *record)
 {
     for (size_t i = 0; i < record->saved_count; i++) free(record->saved[i].name);
+    for (size_t i = 0; i < record->line_count; i++) free(record->lines[i].text);
+    free(record->lines);
     free(record->saved);
     free(record->items);
     free(record->states);
@@ -384,6 +403,37 @@ void recording_play(recording *record, uint64_t tick, input *state)
 {
     while (record->next < record->count && record->items[record->next].tick <= tick)
         input_apply(state, &record->items[record->next++].event);
+}
+
+const char *recording_line_at(recording *record, uint64_t tick)
+{
+    if (record->next_line == record->line_count || record->lines[record->next_line].tick > tick) return NULL;
+    return record->lines[record->next_line++].text;
+}
+
+bool recording_add_line(recording *record, uint64_t tick, const char *text)
+{
+    if (record->line_count == record->line_capacity) {
+        const size_t more = record->line_capacity ? 2 * record->line_capacity : 16;
+        recording_line *grown = realloc(record->lines, more * sizeof *grown);
+        if (!grown) return false;
+        record->lines = grown, record->line_capacity = more;
+    }
+    char *copy = strdup(text);
+    if (copy) record->lines[record->line_count++] = (recording_line){tick, copy};
+    return copy != NULL;
+}
+
+bool recording_clean_line(const char *typed, char *out, size_t size)
+{
+    size_t length = 0;
+    for (; *typed && length + 1 < size; typed++) {
+        const bool blank = (unsigned char)*typed <= ' ' || *typed == 0x7F;
+        if (!blank || length > 0) out[length++] = blank ? ' ' : *typed;
+    }
+    while (length > 0 && out[length - 1] == ' ') length--;
+    out[length] = 0;
+    return length > 0 && !*typed;
 }
 
 /* ---- writing ---- */
@@ -433,7 +483,7 @@ static bool open_part(recorder *writer, const char *path, daft_error *error)
 
 static void put_head(FILE *file, const recording_head *head)
 {
-    fprintf(file, "daft-recording 5\ngame %s\nrate %d\nseed %" PRIu64 "\n", head->game, LOOP_RATE, head->seed);
+    fprintf(file, "daft-recording 6\ngame %s\nrate %d\nseed %" PRIu64 "\n", head->game, LOOP_RATE, head->seed);
     if (head->pack && head->pack[0]) fprintf(file, "pack %s\n", head->pack);
     if (head->content && head->content[0]) fprintf(file, "content %s\n", head->content);
     if (head->memory) fprintf(file, "limits %" PRIu64 " %.9g\n", head->memory, head->seconds);
@@ -480,6 +530,13 @@ void recorder_tick(recorder *writer, uint64_t tick, const input_event *events, s
     if (writer->file && marks) fflush(writer->file);
     for (size_t i = 0; writer->file && i < count; i++) put_event(writer->file, tick, &events[i]);
     writer->ticks = tick + 1;
+    pthread_mutex_unlock(&writer->lock);
+}
+
+void recorder_line(recorder *writer, uint64_t tick, const char *text)
+{
+    pthread_mutex_lock(&writer->lock);
+    if (writer->file) fprintf(writer->file, "%" PRIu64 " lua %s\n", tick, text);
     pthread_mutex_unlock(&writer->lock);
 }
 

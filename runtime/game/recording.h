@@ -1,7 +1,7 @@
 /* recording: the input of a game, tick by tick, as a text file that replays it.
  *
- *     daft-recording 5          the format's version (1 had no 'tick' lines, 2 no 'saved' ones, 3 no 'text', 'width', 4
- *                               none of 'content', 'limits', 'state', 'entities')
+ *     daft-recording 6          the format's version (1 had no 'tick' lines, 2 no 'saved' ones, 3 no 'text', 'width', 4
+ *                               none of 'content', 'limits', 'state', 'entities', 5 no 'lua')
  *     game marble
  *     rate 60                   ticks a second
  *     seed 1                    seed of the random numbers
@@ -16,6 +16,7 @@
  *     41 wheel 0 1              notches, right and up positive
  *     43 text 00e4              a letter was typed: its code point, hexadecimal
  *     43 width 960              the picture is so wide from now on, in HUD units; before, 1280
+ *     44 lua ball:push(0, 9, 0) a line of Lua that was typed (lua/statement.h), to the end of this one
  *     state 60 9a31… 01ab…      after 60 ticks: the state's hash; of the ticks since the last such line, 16 bits each
  *     entities 60 1f:a1b2c3d4   those that have changed since they were last told (game/fingerprint.h); 1f:- is gone
  *     tick 60                   60 ticks have been recorded; once a second
@@ -42,6 +43,11 @@ typedef struct recording_item {
 typedef struct recording_save {
     char *name, *text; /* one allocation, by `name`; text NULL: nothing */
 } recording_save;
+
+typedef struct recording_line {
+    uint64_t tick;
+    char *text; /* Lua */
+} recording_line;
 
 enum { RECORDING_SECOND = 60 }; /* ticks */
 
@@ -75,6 +81,9 @@ typedef struct recording {
     recording_item *items;
     size_t count;
     size_t next; /* the first item not yet played */
+    recording_line *lines;
+    size_t line_count, line_capacity;
+    size_t next_line; /* the first not yet run */
     recording_save *saved;
     size_t saved_count;
 } recording;
@@ -84,6 +93,13 @@ bool recording_load(recording *out, const daft_files *files, const char *path, d
 void recording_free(recording *record);
 /* Applies the events of this tick; call it with ascending ticks. */
 void recording_play(recording *record, uint64_t tick, input *state);
+/* The next line of Lua of this tick; NULL: there are no more. */
+const char *recording_line_at(recording *record, uint64_t tick);
+/* Adds a line to a recording in memory. False: out of memory. */
+bool recording_add_line(recording *record, uint64_t tick, const char *text);
+/* Makes of what somebody typed a line that a recording gives back: without control characters, and without blanks
+ * around it. False: nothing is left. */
+bool recording_clean_line(const char *typed, char *out, size_t size);
 
 /* Writes events while the game runs, so that a failed game leaves its recording. */
 typedef struct recorder recorder;
@@ -99,6 +115,8 @@ void recorder_state(recorder *writer, uint64_t ticks, uint64_t hash, daft_scene 
 /* As tick `tick`, counted from 0, begins: what it is given. A game that fails in this tick fails again in its replay.
  */
 void recorder_tick(recorder *writer, uint64_t tick, const input_event *events, size_t count);
+/* After recorder_tick: a line of Lua that runs as this tick begins. */
+void recorder_line(recorder *writer, uint64_t tick, const char *text);
 /* What the game was given of what it had kept; before the tick ends. NULL is fine. */
 void recorder_saved(recorder *writer, const char *name, const char *text);
 /* Ends the file after the last tick that began, and puts it into place; from any thread, once: then the recorder takes

@@ -31,6 +31,11 @@ void trail_add(trail *self, uint64_t tick, const input_event *events, size_t cou
     }
 }
 
+void trail_line(trail *self, uint64_t tick, const char *text)
+{
+    if (!self->lost) self->lost = !recording_add_line(&self->made, tick, text);
+}
+
 void trail_saved(trail *self, const char *name, const char *text)
 {
     void *items = self->made.saved;
@@ -93,6 +98,8 @@ static void take_over(game_state *old, game_state *fresh)
 {
     memcpy(fresh->keys.queue, old->keys.queue, sizeof fresh->keys.queue);
     fresh->keys.queued = old->keys.queued;
+    memcpy(fresh->lines, old->lines, sizeof fresh->lines);
+    fresh->line_count = old->line_count, old->line_count = 0;
     fresh->def = old->def;
     fresh->scripts.def.saves = old->def.saves;
     fresh->scripts.replaying = old->scripts.replaying;
@@ -103,8 +110,9 @@ relive_end relive(game_state *old, game_state *fresh, trail *from, char message[
     if (from->lost) return RELIVE_LONG;
     saves *kept = open_saves(old, from, error);
     game_def def = old->def;
-    from->made.next = 0, from->made.end = old->ticks;
-    def.replay = &from->made, def.record = NULL, def.trail = NULL, def.heard = NULL, def.saves = kept;
+    from->made.next = from->made.next_line = 0, from->made.end = old->ticks;
+    def.replay = &from->made, def.record = NULL, def.trail = NULL, def.heard = NULL, def.printed = NULL,
+    def.answered = NULL, def.saves = kept;
     bool good = kept && game_open(fresh, &def, error);
     const bool opened = good;
     if (good) fresh->ticks = from->first, fresh->keys = from->keys;

@@ -18,6 +18,7 @@ typedef struct trail {
 } trail;
 
 void trail_add(trail *self, uint64_t tick, const input_event *events, size_t count);
+void trail_line(trail *self, uint64_t tick, const char *text);
 /* What the game was given of what it had kept. */
 void trail_saved(trail *self, const char *name, const char *text);
 /* The game begins again before this tick. */

@@ -104,3 +104,72 @@ uint32_t xray_draw(const canvas *target, daft_scene *scene, const daft_camera *c
     draw_contacts(&e, scene);
     return all;
 }
+
+/* ---- one entity ---- */
+
+static const canvas_color OUTLINE = {255, 205, 90, 255};
+
+static daft_dvec3 cross(daft_dvec3 a, daft_dvec3 b)
+{
+    return (daft_dvec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+static daft_dvec3 to_world(const daft_transform *t, daft_dvec3 p)
+{
+    const daft_dvec3 v = {(double)t->scale.x * p.x, (double)t->scale.y * p.y, (double)t->scale.z * p.z};
+    const daft_dvec3 q = {(double)t->rotation.x, (double)t->rotation.y, (double)t->rotation.z}, u = cross(q, v);
+    const daft_dvec3 turned = along(along(v, 2 * (double)t->rotation.w, u), 2, cross(q, u));
+    return along(t->position, 1, turned);
+}
+
+static void draw_box(const eye *e, const daft_transform *t, daft_vec3 low, daft_vec3 high)
+{
+    daft_dvec3 corners[8];
+    for (int i = 0; i < 8; i++)
+        corners[i] = to_world(t, (daft_dvec3){(double)(i & 1 ? high.x : low.x), (double)(i & 2 ? high.y : low.y),
+                                              (double)(i & 4 ? high.z : low.z)});
+    for (int i = 0; i < 8; i++)
+        for (int bit = 1; bit < 8; bit *= 2)
+            if (!(i & bit)) draw_line(e, corners[i], corners[i | bit], 2, OUTLINE);
+}
+
+/* Where its surface is seen from the side. */
+static void draw_ball(const eye *e, const daft_transform *t, double radius)
+{
+    enum { EDGES = 48 };
+    const double r = radius * fabs((double)t->scale.x);
+    const daft_dvec3 way = minus(t->position, e->at), side = e->axes[0];
+    const double distance = sqrt(dot(way, way));
+    if (!(distance > r)) return;
+    const daft_dvec3 across = cross(way, cross(side, way)), up = cross(way, side);
+    const double ring = r * sqrt(1 - r * r / (distance * distance)); /* of the circle of contact of the cone */
+    const daft_dvec3 middle = along(t->position, -r * r / (distance * distance), way);
+    const double a = ring / sqrt(dot(across, across)), b = ring / sqrt(dot(up, up));
+    daft_dvec3 last = along(middle, a, across);
+    for (int i = 1; i <= EDGES; i++) {
+        const double angle = 6.283185307179586 * i / EDGES;
+        const daft_dvec3 next = along(along(middle, a * cos(angle), across), b * sin(angle), up);
+        draw_line(e, last, next, 2, OUTLINE);
+        last = next;
+    }
+}
+
+void xray_outline(const canvas *target, daft_scene *scene, const daft_camera *camera, daft_entity entity)
+{
+    const eye e = eye_of(target, camera);
+    daft_entity_def def;
+    daft_transform t;
+    daft_mesh_info info;
+    if (!daft_entity_get(scene, entity, &def, NULL) || !daft_entity_get_world_transform(scene, entity, &t, NULL))
+        return;
+    const daft_vec3 half = {def.size.x / 2, def.size.y / 2, def.size.z / 2};
+    const daft_vec3 some = {0.25f, 0.25f, 0.25f};
+    if (def.shape == DAFT_SHAPE_SPHERE)
+        draw_ball(&e, &t, (double)def.radius);
+    else if (def.shape == DAFT_SHAPE_BOX)
+        draw_box(&e, &t, (daft_vec3){-half.x, -half.y, -half.z}, half);
+    else if (def.shape == DAFT_SHAPE_MESH && daft_mesh_get_info(scene, def.mesh, &info, NULL))
+        draw_box(&e, &t, info.low, info.high);
+    else
+        draw_box(&e, &t, (daft_vec3){-some.x, -some.y, -some.z}, some);
+}

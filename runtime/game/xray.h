@@ -10,5 +10,7 @@ enum { XRAY_METRES = 60, XRAY_EDGES = 20000, XRAY_CONTACTS = 4000 };
 
 /* Returns how many lines there are to draw; nothing is drawn where memory is out. */
 uint32_t xray_draw(const canvas *target, daft_scene *scene, const daft_camera *camera);
+/* One entity's outline: a ball's edge, else the edges of its box. Draws nothing for one that is gone. */
+void xray_outline(const canvas *target, daft_scene *scene, const daft_camera *camera, daft_entity entity);
 
 #endif

@@ -1,5 +1,5 @@
 /* hud: drawing over a finished picture: rectangles and text, and the program's own screens.
- * Public headers: canvas.h letters.h screens.h truetype.h
+ * Public headers: canvas.h letters.h screens.h graph.h truetype.h
  * Coordinates are in HUD units: every picture is 720 units high, so that a HUD keeps its proportions. Colours are sRGB
  * with alpha and blend in sRGB.
  * Promises: no write outside the picture for any coordinates, NaN included. The same calls give the same bytes

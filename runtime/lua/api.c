@@ -385,6 +385,16 @@ void api_set_type(lua_State *L, api_type type)
     lua_setmetatable(L, -2);
 }
 
+bool api_push_methods(lua_State *L, api_type type)
+{
+    lua_rawgetp(L, LUA_REGISTRYINDEX, &TYPE_KEYS[type]);
+    lua_getfield(L, -1, "__index");
+    if (!lua_getupvalue(L, -1, 1)) return false;
+    lua_replace(L, -3);
+    lua_pop(L, 1);
+    return true;
+}
+
 api_handle *api_test_handle(lua_State *L, int index, api_type type)
 {
     api_handle *handle = lua_type(L, index) == LUA_TUSERDATA ? lua_touserdata(L, index) : NULL;
@@ -420,6 +430,15 @@ static void sweep_entities(lua_State *L, host *h, int table)
     }
     lua_pushinteger(L, held);
     lua_setfield(L, table, "held");
+}
+
+bool api_push_known_entity(lua_State *L, uint32_t id)
+{
+    lua_rawgetp(L, LUA_REGISTRYINDEX, &ENTITIES_KEY);
+    const bool known = lua_rawgeti(L, -1, (lua_Integer)id) == LUA_TUSERDATA;
+    lua_remove(L, -2);
+    if (!known) lua_pop(L, 1);
+    return known;
 }
 
 void api_push_entity(lua_State *L, uint32_t id)

@@ -3,7 +3,7 @@
  * tables.
  *
  * A binding reads its arguments, calls libdaft, and only then may raise an error.
- * Public headers: api.h host.h watchdog.h fields.h failure.h trial.h */
+ * Public headers: api.h host.h statement.h watchdog.h fields.h failure.h trial.h */
 #ifndef RUNTIME_API_H
 #define RUNTIME_API_H
 
@@ -153,6 +153,8 @@ api_handle *api_new_handle(lua_State *L, api_type type, uint32_t id);
 void api_set_type(lua_State *L, api_type type);
 /* The handle at index, or NULL when it is not of this type. */
 api_handle *api_test_handle(lua_State *L, int index, api_type type);
+/* Pushes the table of the type's methods, and is true. */
+bool api_push_methods(lua_State *L, api_type type);
 api_handle *api_check_handle(lua_State *L, host *h, int index, api_type type, const char *what);
 const char *api_type_name(lua_State *L, int index);
 
@@ -186,6 +188,8 @@ void api_add_tags(lua_State *L, int entity); /* which have been checked */
 
 /* Pushes the userdata of an entity, always the same one for the same entity; nil for none. */
 void api_push_entity(lua_State *L, uint32_t id);
+/* Pushes it where the script has met it, and is true; makes nothing. */
+bool api_push_known_entity(lua_State *L, uint32_t id);
 daft_entity api_entity_at(lua_State *L, host *h, int index, const char *what);
 /* A texture name, "#colour", file.mtl#name, a table or a material. */
 daft_material api_material_at(lua_State *L, host *h, int index, const char *what);

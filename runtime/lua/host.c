@@ -168,8 +168,8 @@ static void count_steps(lua_State *L, uint64_t steps)
 {
     host *state = api_host(L);
     state->call_ran += steps;
-    if (host_stopping(state) || (state->def.instructions && state->call_ran > state->def.instructions))
-        raise_stop(L, state);
+    const uint64_t limit = state->call_limit ? state->call_limit : state->def.instructions;
+    if (host_stopping(state) || (limit && state->call_ran > limit)) raise_stop(L, state);
 }
 
 static void watch(lua_State *L, lua_Debug *unused)
@@ -180,6 +180,12 @@ static void watch(lua_State *L, lua_Debug *unused)
 
 _Static_assert((int)HOST_POLL_STEPS == (int)PATTERNS_POLL_STEPS, "patterns poll by host_poll");
 void host_poll(lua_State *L) { count_steps(L, HOST_POLL_STEPS); }
+
+void host_limit_steps(lua_State *L, uint64_t steps)
+{
+    api_host(L)->call_limit = steps;
+    lua_sethook(L, watch, LUA_MASKCOUNT, WATCH_STEP);
+}
 
 /* ThreadSanitizer holds signals back until the thread calls the system, which a loop in Lua never does. */
 #if defined(__has_feature)
@@ -423,7 +429,7 @@ static bool call(host *state, const char *shown, request what)
     failure_clear(&state->failure);
     state->inner[0] = 0;
     state->callback = shown;
-    state->call_ran = 0;
+    state->call_ran = state->call_limit = 0;
     state->stopped = state->asked = state->long_string = false;
     state->depth = 0;
     lua_settop(L, 0);
@@ -437,6 +443,7 @@ static bool call(host *state, const char *shown, request what)
     host_set_running(state, NULL);
     set_usual_hook(state, L);
     bool good = status == LUA_OK && ended == WATCHDOG_RUNNING;
+    state->ended = ended;
     if (ended == WATCHDOG_ASKED) state->asked = true;
     if (!good) describe_failure(state, status, ended);
     if (!good) failure_find_source(&state->failure, state->def.files);

@@ -49,6 +49,8 @@ typedef struct host_def {
     uint64_t instructions;    /* one call may run so many, about; 0: only time counts */
     double seconds;           /* one call may take; 0: WATCHDOG_SECONDS */
     int (*asked)(void *user); /* whether the game is to stop: see watchdog_def. May be NULL */
+    /* What the script prints, piece by piece: on stdout too. May be NULL. */
+    void (*printed)(void *user, const char *text, size_t size);
     void *user;
 } host_def;
 
@@ -84,8 +86,10 @@ typedef struct host {
     const api_function *calling; /* the binding that runs, for messages */
     const char *callback;        /* the callback that runs, for messages */
     uint64_t call_ran;           /* instructions, in steps of WATCH_STEP */
+    uint64_t call_limit;         /* of them, for this call; 0: that of the definition */
     watchdog *dog;
     lua_State *_Atomic running; /* the state or coroutine that runs: where a stop is to strike */
+    watchdog_state ended;       /* how the last call came to its end; RUNNING: by itself */
     bool stopped;               /* this call: every protected call in the script passes the error on */
     bool long_string;           /* this call wanted a string over HOST_STRING */
     bool asked;                 /* stopped because somebody asked for the end */
@@ -99,11 +103,13 @@ typedef struct host {
     uint32_t systems;           /* of particles, made so far */
     uint32_t indexed;           /* ids in the indices of names and tags (tables/tags.c) */
     uint32_t indexed_kept;      /* the same after they were last swept */
-    trial *trial;               /* a test of the game runs beside it: lua/trial.h; or NULL */
-    mixer mixer;                /* what sounds */
-    uint32_t sounds, music;     /* made so far; the voice of the music */
-    uint32_t fonts, images;     /* made so far */
-    failure failure;            /* of the last call, if it failed */
+    const char *statement;      /* that runs, and where its answer goes: lua/statement.h; or NULL */
+    char *answer;
+    trial *trial;                  /* a test of the game runs beside it: lua/trial.h; or NULL */
+    mixer mixer;                   /* what sounds */
+    uint32_t sounds, music;        /* made so far; the voice of the music */
+    uint32_t fonts, images;        /* made so far */
+    failure failure;               /* of the last call, if it failed */
     char inner[FAILURE_TRACE / 2]; /* the stack of the coroutine in which an error began that is on its way; or empty */
 } host;
 
@@ -143,6 +149,8 @@ float host_width(const host *state);
 bool host_run_file(host *state, const char *file);
 bool host_call(host *state, const char *shown, int (*function)(lua_State *L));
 
+/* Stops the call that runs after about so many instructions: after the same one everywhere. */
+void host_limit_steps(lua_State *L, uint64_t steps);
 /* Whether the call that runs is to end. */
 bool host_stopping(const host *state);
 /* For library functions that loop in C, every HOST_POLL_STEPS steps: raises an error where the call is to end. */

@@ -8,6 +8,7 @@
 #include "lua/sandbox.h"
 
 #include <ctype.h>
+#include <stdio.h>
 #include <string.h>
 
 /* In the registry: tables from objects, which they do not hold, to numbers; ["last"] is the last number. */
@@ -82,18 +83,26 @@ static int to_text(lua_State *L)
     return 1;
 }
 
+static void write_piece(const host *h, const char *text, size_t length)
+{
+    lua_writestring(text, length);
+    if (h->def.printed) h->def.printed(h->def.user, text, length);
+}
+
 static int print(lua_State *L)
 {
+    const host *h = api_host(L);
     const int count = lua_gettop(L);
     for (int i = 1; i <= count; i++) {
         size_t length;
         api_push_text(L, i);
         const char *text = lua_tolstring(L, -1, &length);
-        if (i > 1) lua_writestring("\t", 1);
-        lua_writestring(text, length);
+        if (i > 1) write_piece(h, "\t", 1);
+        write_piece(h, text, length);
         lua_pop(L, 1);
     }
-    lua_writeline();
+    write_piece(h, "\n", 1);
+    fflush(stdout);
     return 0;
 }
 

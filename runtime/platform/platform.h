@@ -11,6 +11,7 @@
 typedef enum platform_event_kind {
     PLATFORM_INPUT,      /* a key, the mouse (x, y as fractions of the window) or the wheel */
     PLATFORM_FOCUS_LOST, /* or a gamepad was pulled out: what is held is let go */
+    PLATFORM_CONSOLE,    /* the key left of 1 went down, whatever stands on it; its letter is not told */
     PLATFORM_DROP,       /* a file was dropped on the window: `path` */
     PLATFORM_CLOSE
 } platform_event_kind;
@@ -39,6 +40,8 @@ struct platform {
     void (*set_size)(platform *self, int width, int height);
     void (*set_icon)(platform *self, daft_image *icon); /* NULL: nobody would see it */
     bool (*copy)(platform *self, const char *text);     /* to the clipboard; NULL: there is none */
+    /* From the clipboard: at most size - 1 bytes. False: it holds no text. NULL: there is none. */
+    bool (*paste)(platform *self, char *out, size_t size);
     /* 1 or 0: the window fills the screen from now on, or not; -1: only asks. Whether it does. NULL: it never does. */
     bool (*full_screen)(platform *self, int wish);
     void (*rumble)(platform *self, float strength, double seconds); /* of gamepads, 0 to 1; NULL: none can */

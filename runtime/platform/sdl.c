@@ -23,6 +23,7 @@ typedef struct sdl_platform {
     bool vsync, grabbed;
     char typed[SDL_TEXTINPUTEVENT_TEXT_SIZE]; /* letters that are still to be told, from */
     const char *typed_next;                   /* here on; NULL: none */
+    bool console;                             /* the last key to go down was that of the console */
     bool any_thread;                          /* this display's events may be fetched on any thread, one at a time */
     uint64_t last_frame_ns;
 } sdl_platform;
@@ -127,6 +128,16 @@ static bool key_event(sdl_platform *sdl, const SDL_KeyboardEvent *event, input_e
     *out = (input_event){
         .kind = INPUT_KEY, .key = key_of(&event->keysym), .letter = 1 + letter_of(&event->keysym), .down = down};
     return out->key >= 0;
+}
+
+/* A key of the keyboard, of which that left of 1 is the console's, by its place. */
+static bool keyboard_event(sdl_platform *sdl, const SDL_KeyboardEvent *event, platform_event *out)
+{
+    const bool down = event->type == SDL_KEYDOWN, console = event->keysym.scancode == SDL_SCANCODE_GRAVE;
+    if (down) sdl->console = console;
+    if (!console) return key_event(sdl, event, &out->input);
+    out->kind = PLATFORM_CONSOLE;
+    return down && !event->repeat;
 }
 
 static bool mouse_event(sdl_platform *sdl, const SDL_Event *event, input_event *out)
@@ -242,9 +253,10 @@ static bool next_event(sdl_platform *sdl, platform_event *out)
             return true;
         case SDL_KEYDOWN:
         case SDL_KEYUP:
-            if (key_event(sdl, &event.key, &out->input)) return true;
+            if (keyboard_event(sdl, &event.key, out)) return true;
             break;
         case SDL_TEXTINPUT:
+            if (sdl->console) break;
             memcpy(sdl->typed, event.text.text, sizeof sdl->typed);
             sdl->typed[sizeof sdl->typed - 1] = 0, sdl->typed_next = sdl->typed;
             if (typed_event(sdl, &out->input)) return true;
@@ -397,6 +409,16 @@ static bool copy_sdl(platform *self, const char *text)
     return good;
 }
 
+static bool paste_sdl(platform *self, char *out, size_t size)
+{
+    sdl_platform *sdl = lock(self);
+    char *text = SDL_HasClipboardText() ? SDL_GetClipboardText() : NULL;
+    if (text) snprintf(out, size, "%s", text);
+    SDL_free(text);
+    unlock(sdl);
+    return text != NULL;
+}
+
 static void rumble_sdl(platform *self, float strength, double seconds)
 {
     sdl_platform *sdl = lock(self);
@@ -471,6 +493,7 @@ platform *platform_open_sdl(const char *title, int width, int height, daft_error
                            .set_size = resize_sdl,
                            .set_icon = set_icon_sdl,
                            .copy = copy_sdl,
+                           .paste = paste_sdl,
                            .full_screen = full_screen_sdl,
                            .rumble = rumble_sdl,
                            .key_label = key_label_sdl,

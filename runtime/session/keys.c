@@ -2,6 +2,7 @@
 #include "session/state.h"
 
 #include "common/util.h"
+#include "session/tools.h"
 #include "platform/audio.h"
 
 #include <inttypes.h>
@@ -149,6 +150,7 @@ static void handle_session_key(session *s, const input_event *event)
     if (strcmp(name, "f1") == 0) s->overlay = !s->overlay;
     if (strcmp(name, "f2") == 0) session_toggle_prices(s);
     if (strcmp(name, "f3") == 0) s->xray = !s->xray;
+    if (strcmp(name, "f4") == 0) tools_toggle_inspector(s);
     if (strcmp(name, "f12") == 0) s->wants_shot = true;
     if (s->play->failed) handle_failure_key(s, input_key_name(input_letter(event)));
 }
@@ -180,15 +182,16 @@ void session_take_events(session *s)
 {
     platform *screen = s->def->screen;
     for (platform_event event; screen->poll(screen, &event);) {
+        if (event.kind == PLATFORM_INPUT) session_scale_mouse(screen, &event.input);
+        if (tools_take(s, &event)) continue;
         switch (event.kind) {
         case PLATFORM_CLOSE: s->closed = true; break;
         case PLATFORM_FOCUS_LOST: let_go(s); break;
+        case PLATFORM_CONSOLE:
         case PLATFORM_DROP: break;
-        case PLATFORM_INPUT:
-            session_scale_mouse(screen, &event.input);
-            take_input(s, &event.input);
-            break;
+        case PLATFORM_INPUT: take_input(s, &event.input); break;
         }
     }
+    tools_turn(s);
     atomic_store(&s->polled_ns, clock_now_ns());
 }

@@ -4,6 +4,8 @@
 #include "common/util.h"
 #include "game/xray.h"
 #include "hud/screens.h"
+#include "session/panels.h"
+#include "session/tools.h"
 
 #include <stdio.h>
 
@@ -32,18 +34,6 @@ bool session_fit_picture(const session_def *def, daft_image **picture, daft_erro
     return true;
 }
 
-/* Puts the panel where it covers least of the game's text, as far left as may be. */
-static void place_overlay(const session *s, canvas *over)
-{
-    enum { WIDTH = 312, HEIGHT = 640, STEPS = 8 };
-    int fewest = MARK_ROWS * MARK_COLUMNS;
-    for (int i = 0; i <= STEPS; i++) {
-        const float x = (canvas_hud_width(over) - WIDTH) * (float)i / STEPS;
-        const int marks = canvas_count_marks(&s->play->scripts.texts, x, 0, WIDTH, HEIGHT);
-        if (marks < fewest) fewest = marks, over->origin_x = x * over->unit;
-    }
-}
-
 static void draw_overlay(session *s)
 {
     overlay_figures figures = {.frames_per_second = s->turn_ms > 0 ? 1000 / s->turn_ms : 0,
@@ -60,8 +50,11 @@ static void draw_overlay(session *s)
         snprintf(quality, sizeof quality, "%s for %.1f ms: %s", governor_rung_at(g->rung)->name, g->target_ms, g->why);
         figures.quality = quality, figures.slow_ms = governor_slow_ms(g);
     }
-    place_overlay(s, &over);
+    panels_place(&s->placed, &over, 312, 640);
     screen_overlay(&over, s->def->face, &figures);
+    panels_place(&s->placed, &over, GRAPH_WIDTH + 12, GRAPH_HEIGHT + 24);
+    over.origin_y += 12 * over.unit;
+    graph_draw(&over, s->def->face, &s->graph, s->governs ? s->pace.target_ms : 1000.0 / 60);
 }
 
 double session_smooth(double before, double now) { return before > 0 ? before * 0.95 + now * 0.05 : now; }
@@ -113,17 +106,20 @@ bool session_draw(session *s, float alpha, daft_error *error)
 {
     if (!session_fit_picture(s->def, &s->picture, error)) return false;
     s->drawn = s->play->ticks;
+    s->placed = (panels){.marks = &s->play->scripts.texts};
     uint64_t began = clock_now_ns();
     const bool drawn = draw_game(s, alpha, error);
     if (!drawn && !s->play->failed) return false;
     if (drawn) {
         double ms = (double)(clock_now_ns() - began) / 1e6;
         s->frame_ms = session_smooth(s->frame_ms, ms), s->drawn_ms += ms;
+        graph_add_picture(&s->graph, ms, daft_scene_counters(s->play->scene));
         s->reused = has_kept_tiles(daft_scene_counters(s->play->scene));
         if (s->def->stats) frame_times_add(&s->times, ms, daft_scene_counters(s->play->scene));
     } else {
         draw_failure(s);
     }
+    tools_draw(s, alpha);
     if (s->notice[0] && !(s->play->failed && s->notice_ns)) {
         canvas over = canvas_over(s->picture);
         screen_notice(&over, s->def->face, s->notice, s->notice_ns == 0);

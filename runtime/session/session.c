@@ -4,6 +4,7 @@
 #include "common/stop.h"
 #include "common/util.h"
 #include "session/costs.h"
+#include "session/tools.h"
 #include "platform/audio.h"
 
 #include <math.h>
@@ -56,6 +57,7 @@ static bool run_updates(session *s, int updates, daft_error *error)
     }
     const double ms = (double)(clock_now_ns() - began) / 1e6;
     if (updates > 0 && !s->play->failed) s->update_ms = session_smooth(s->update_ms, ms), s->drawn_ms += ms;
+    graph_add_update(&s->graph, ms);
     return true;
 }
 
@@ -135,6 +137,7 @@ static bool turn_paused(session *s, daft_error *error)
     session_picture_size(s->def, &width, &height);
     s->redraws |= !s->picture || width != daft_image_width(s->picture) || height != daft_image_height(s->picture);
     s->last_ns = screen->now_ns(screen);
+    graph_end_frame(&s->graph, 0);
     grab_mouse(s, false);
     if (s->redraws) {
         if (!session_draw(s, loop_alpha(&s->clock), error)) return false;
@@ -159,12 +162,13 @@ static bool turn(session *s, daft_error *error)
         if (!game_reload(s->play, error)) return false;
     }
     if (!session_take_changes(s, error)) return false;
-    grab_mouse(s, s->play->scripts.grab && !s->play->failed);
+    grab_mouse(s, s->play->scripts.grab && !s->play->failed && !tools_want_mouse(s));
     uint64_t now = screen->now_ns(screen);
     uint64_t elapsed = now - s->last_ns;
     s->last_ns = now;
     if (s->turns++ > 1)
         s->turn_ms = session_smooth(s->turn_ms, (double)elapsed / 1e6); /* the first turns have no interval */
+    graph_end_frame(&s->graph, s->turns > 2 ? (double)elapsed / 1e6 : 0);
     govern(s, (double)elapsed / 1e6);
     const bool full_speed = isinf(session_speed(s)) && !s->def->screen->headless;
     if (!(full_speed ? run_at_full_speed(s, error) : run_updates(s, session_updates_due(s, elapsed), error)))
@@ -240,6 +244,8 @@ static bool run(session *s, daft_error *error)
                      .keyboard = def->screen,
                      .seconds = def->seconds,
                      .asked = asked,
+                     .printed = def->screen->headless ? NULL : tools_printed,
+                     .answered = def->screen->headless ? NULL : tools_answered,
                      .heard = s->sounds.writer || s->def->speaks ? heard : NULL,
                      .user = s};
     watch_begin(&s->files, s->def->watches && !s->info->packed ? s->info->folder : NULL);
@@ -298,6 +304,7 @@ session_end session_play(const session_def *def, const game_info *info, daft_err
     daft_image_destroy(s.survey.reference);
     frame_times_free(&s.times);
     trail_free(&s.past);
+    console_free(&s.console);
     if (!good || failed) return SESSION_FAILED;
     return s.closed ? SESSION_CLOSED : s.left ? SESSION_LEFT : SESSION_DONE;
 }

@@ -4,6 +4,8 @@
 #define RUNTIME_SESSION_STATE_H
 
 #include "session/session.h"
+#include "session/console.h"
+#include "session/inspector.h"
 
 #include "accuracy/probe.h"
 #include "files/saves.h"
@@ -13,6 +15,7 @@
 #include "game/loop.h"
 #include "game/pause.h"
 #include "game/relive.h"
+#include "hud/graph.h"
 #include "sound/tape.h"
 
 #include <stdatomic.h>
@@ -43,6 +46,9 @@ typedef struct session {
     recording replay;
     agreement agreed;
     recorder *record;
+    console console; /* tools.c */
+    inspector inspector;
+    panels placed; /* of the picture at work */
     tape sounds;
     saves *kept, *own; /* the game's; the program's */
     player_settings settings;
@@ -63,6 +69,7 @@ typedef struct session {
     rung_survey survey;
     bool wants_reload, wants_shot, grabbed;
     frame_times times;
+    frame_graph graph;                        /* for the overlay */
     double update_ms, frame_ms, turn_ms;      /* smoothed, for the overlay */
     uint64_t hashed, drawn, shot_done, turns; /* ticks */
     progress_bar bar;

@@ -350,6 +350,7 @@ static void take_events(viewer *v)
             input_push_release_all(&v->input);
             input_apply_queue(&v->input);
             break;
+        case PLATFORM_CONSOLE: break;
         case PLATFORM_DROP: viewer_open(v, event.path); break;
         case PLATFORM_INPUT: take_input(v, &event.input); break;
         }

@@ -320,6 +320,25 @@ static int set_material(lua_State *L, host *h)
     return 0;
 }
 
+/* Other entities with the same material keep theirs. */
+static int repaint(lua_State *L, host *h)
+{
+    const daft_entity entity = api_entity_at(L, h, 1, "entity");
+    daft_entity_def about;
+    daft_material_def def = daft_default_material_def();
+    daft_error error;
+    if (!daft_entity_get(h->def.scene, entity, &about, &error)) api_engine_error(L, h, &error);
+    if (!about.material.id && about.shape == DAFT_SHAPE_MESH)
+        api_error(L, h, "it shows the materials of its mesh: give it one of its own first");
+    if (about.material.id && !daft_material_get(h->def.scene, about.material, &def, &error))
+        api_engine_error(L, h, &error);
+    if (lua_type(L, 2) != LUA_TTABLE) api_wrong(L, h, 2, "material", "table");
+    read_material(L, h, 2, &def);
+    if (!daft_entity_set_material(h->def.scene, entity, shared_material(L, h, &def), &error))
+        api_engine_error(L, h, &error);
+    return 0;
+}
+
 /* ---- meshes ---- */
 
 /* Holds what it loads. */
@@ -484,6 +503,7 @@ static const api_function FUNCTIONS[] = {
     {"material", "{...} -> material",
      "Or \"file.mtl#name\". Where a material is wanted, such a table, a texture's name or a colour do too.",
      new_material, API_CHANGES},
+    {"entity:repaint", "{...}", "Changes what the table names of its material, for it alone.", repaint, API_CHANGES},
     {"material:set", "{...}", "Changes what the table names, for everything that has this material.", set_material,
      API_CHANGES},
     {"mesh",

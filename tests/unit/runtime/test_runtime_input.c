@@ -457,7 +457,7 @@ static void bad_files_say_where(void **unused)
         const char *message;
     } bad[] = {
         {"", 1, 1, "not a recording"},
-        {"daft-recording 6\nend 1\n", 1, 16, "not a recording of this version"},
+        {"daft-recording 7\nend 1\n", 1, 16, "not a recording of this version"},
         {"daft-recording 3\nsaved ../x {}\nend 1\n", 2, 7, "the name of what a game saved"},
         {"daft-recording 3\nsaved\nend 1\n", 2, 6, "the name of what a game saved"},
         {"daft-recording 2\ntick 60\ntick 59\nend 60\n", 3, 8, "must not go back"},
@@ -469,7 +469,7 @@ static void bad_files_say_where(void **unused)
         {"daft-recording 1\nseed x\nend 1\n", 2, 6, "whole number"},
         {"daft-recording 1\n5 +left\n4 -left\nend 9\n", 3, 3, "must not go back"},
         {"daft-recording 1\n5 +lefft\nend 9\n", 2, 4, "did you mean 'left'?"},
-        {"daft-recording 1\n5 left\nend 9\n", 2, 3, "+key, -key, mouse, motion, wheel, stick, width or text"},
+        {"daft-recording 1\n5 left\nend 9\n", 2, 3, "+key, -key, mouse, motion, wheel, stick, width, text or lua"},
         {"daft-recording 4\n5 text d800\nend 9\n", 2, 8, "the code point of a letter"},
         {"daft-recording 4\n5 text 7\nend 9\n", 2, 8, "the code point of a letter"},
         {"daft-recording 1\n5 mouse 1\nend 9\n", 2, 10, "a number expected"},
