@@ -20,7 +20,8 @@ static const cli_command COMMAND = {
     "[GAME]",
     "Plays a game: a folder with a main.lua, a packed game (.daft), or the name of one in games/. Without GAME, shows "
     "a menu.",
-    "Keys: Esc opens a menu, F1 shows the time of each effect, F3 the shapes and contacts of bodies, F11 or Alt+Enter "
+    "Keys: Esc opens a menu, F1 shows the time of each effect, F3 the shapes and contacts of bodies, F5 and F6 "
+    "go back and forward in time, F11 or Alt+Enter "
     "toggles full screen, F12 writes a picture.\n"
     "Without a display it plays the game's recorded demo (marble's when GAME is missing) and writes daft-demo.png.",
     0,

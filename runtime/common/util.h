@@ -49,6 +49,10 @@ bool draft_open(draft_file *out, daft_error *error);
 /* Writes the file (daft_write_file) and frees the memory, also where it fails. */
 bool draft_commit(draft_file *out, const char *path, daft_error *error);
 
+/* From an allocator, aligned to 16 bytes; NULL, or one that is all zero: malloc. */
+void *memory_take(const daft_allocator *memory, size_t size);
+void memory_release(const daft_allocator *memory, void *pointer); /* NULL is fine */
+
 uint64_t clock_now_ns(void); /* monotonic */
 
 /* The next code point of UTF-8, or 0 at the end. Each invalid byte gives U+FFFD. */

@@ -62,20 +62,36 @@ void trail_free(trail *self)
     *self = (trail){0};
 }
 
-/* ---- again ---- */
-
-/* What it saves on the way it has saved before. */
-static saves *open_saves(const game_state *old, const trail *from, daft_error *error)
+static size_t first_at(const trail *self, uint64_t tick)
 {
-    saves *s =
-        from->kept ? saves_copy(from->kept, error) : saves_open(&(saves_def){.game = old->def.info->name}, error);
-    for (size_t i = 0; s && i < from->made.saved_count; i++) {
-        if (saves_expect(s, from->made.saved[i].name, from->made.saved[i].text, error)) continue;
+    size_t low = 0, high = self->made.count;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (self->made.items[middle].tick < tick)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+void trail_seek(trail *self, uint64_t tick) { self->made.next = first_at(self, tick); }
+
+void trail_cut(trail *self, uint64_t tick) { self->made.count = first_at(self, tick); }
+
+/* What is saved on the way has been saved before. */
+saves *trail_saves(const trail *self, const char *game, daft_error *error)
+{
+    saves *s = self->kept ? saves_copy(self->kept, error) : saves_open(&(saves_def){.game = game}, error);
+    for (size_t i = 0; s && i < self->made.saved_count; i++) {
+        if (saves_expect(s, self->made.saved[i].name, self->made.saved[i].text, error)) continue;
         saves_close(s);
         return NULL;
     }
     return s;
 }
+
+/* ---- again ---- */
 
 /* False: too long. */
 static bool catch_up(game_state *fresh, uint64_t ticks)
@@ -101,7 +117,7 @@ static void take_over(game_state *old, game_state *fresh)
 relive_end relive(game_state *old, game_state *fresh, trail *from, char message[HOST_MESSAGE], daft_error *error)
 {
     if (from->lost) return RELIVE_LONG;
-    saves *kept = open_saves(old, from, error);
+    saves *kept = trail_saves(from, old->def.info->name, error);
     game_def def = old->def;
     from->made.next = 0, from->made.end = old->ticks;
     def.replay = &from->made, def.record = NULL, def.trail = NULL, def.heard = NULL, def.saves = kept;

@@ -23,6 +23,12 @@ void trail_saved(trail *self, const char *name, const char *text);
 /* The game begins again before this tick. */
 void trail_restart(trail *self, uint64_t tick, const input *keys, const saves *kept);
 void trail_free(trail *self);
+/* What is done next, of what is done again, is tick `tick`. */
+void trail_seek(trail *self, uint64_t tick);
+/* From tick `tick` on nothing has happened yet. */
+void trail_cut(trail *self, uint64_t tick);
+/* What the game had kept when it began, and was given since, without a folder. NULL: memory is out. */
+saves *trail_saves(const trail *self, const char *game, daft_error *error);
 
 typedef enum relive_end {
     RELIVE_DONE,   /* `fresh` stands where `old` does, and `old` is closed */

@@ -59,12 +59,22 @@ static void unreserve(host *state)
     state->reserved -= excess;
 }
 
+static void *move(const daft_allocator *memory, void *old, size_t old_size, size_t new_size)
+{
+    void *fresh = memory_take(memory, new_size);
+    if (fresh && old) {
+        memcpy(fresh, old, old_size < new_size ? old_size : new_size);
+        memory_release(memory, old);
+    }
+    return fresh;
+}
+
 static void *allocate(void *user, void *pointer, size_t old_size, size_t new_size)
 {
     host *state = user;
     size_t held = pointer ? old_size : 0; /* without a pointer, old_size is the kind of the new object */
     if (new_size == 0) {
-        free(pointer);
+        memory_release(state->def.memory, pointer);
         state->memory -= held;
         unreserve(state);
         return NULL;
@@ -74,7 +84,7 @@ static void *allocate(void *user, void *pointer, size_t old_size, size_t new_siz
         return NULL;
     }
     if (new_size > held && !reserve(state, state->memory - held + new_size)) return NULL;
-    void *grown = realloc(pointer, new_size);
+    void *grown = state->def.memory ? move(state->def.memory, pointer, held, new_size) : realloc(pointer, new_size);
     if (grown) state->memory += new_size - held;
     unreserve(state);
     return grown;

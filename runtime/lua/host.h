@@ -39,6 +39,7 @@ typedef struct host_def {
     const char *scripts;     /* the folder scripts/ */
     const char *name;        /* the game's, in messages */
     daft_engine *engine;
+    const daft_allocator *memory; /* for all that the scripts hold; NULL: malloc. Must stay */
     daft_scene *scene;
     input *keys;
     const key_map *map; /* the player's keys, to show them; or NULL */
@@ -49,6 +50,9 @@ typedef struct host_def {
     double seconds;           /* one call may take; 0: WATCHDOG_SECONDS */
     int (*asked)(void *user); /* whether the game is to stop: see watchdog_def. May be NULL */
     void *user;
+    /* Takes each font that the scripts open, and closes it when they are long gone; NULL: it closes with its handle. */
+    void (*keep_font)(void *keeper, font *face);
+    void *keeper;
 } host_def;
 
 /* What the game wishes of its window (tables/window.c). */
@@ -73,6 +77,7 @@ typedef struct host {
     uint32_t streams;               /* of random numbers, made so far */
     canvas *picture;                /* while daft.draw runs */
     canvas_marks texts;             /* where its texts are */
+    bool quiet;                     /* print writes nothing: it has been written before */
     bool replaying;                 /* daft.input.set does nothing: the recording has what it did */
     bool quit, restart, grab, text; /* wishes of the script; text: to hear of letters that are typed */
     float rumble;                   /* 0 to 1, */

@@ -85,15 +85,16 @@ static int to_text(lua_State *L)
 static int print(lua_State *L)
 {
     const int count = lua_gettop(L);
+    const bool quiet = api_host(L)->quiet;
     for (int i = 1; i <= count; i++) {
         size_t length;
-        api_push_text(L, i);
+        api_push_text(L, i); /* which may number an object */
         const char *text = lua_tolstring(L, -1, &length);
-        if (i > 1) lua_writestring("\t", 1);
-        lua_writestring(text, length);
+        if (i > 1 && !quiet) lua_writestring("\t", 1);
+        if (!quiet) lua_writestring(text, length);
         lua_pop(L, 1);
     }
-    lua_writeline();
+    if (!quiet) lua_writeline();
     return 0;
 }
 

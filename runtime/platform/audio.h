@@ -14,6 +14,7 @@ void audio_volume(double volume);
 void audio_close(void);
 
 /* WAV, OGG (Vorbis), FLAC and MP3, told apart by content; `name` is for messages. Works without a loudspeaker. */
-sound *audio_decode(daft_engine *engine, const void *bytes, size_t size, const char *name, daft_error *error);
+sound *audio_decode(daft_engine *engine, const daft_allocator *memory, const void *bytes, size_t size, const char *name,
+                    daft_error *error);
 
 #endif

@@ -20,7 +20,8 @@ bool session_take_changes(session *s, daft_error *error)
         snprintf(s->notice, sizeof s->notice, "Reloaded");
         s->notice_ns = now + 1500000000u;
         daft_history_destroy(s->history);
-        s->history = daft_history_create(s->def->engine, error);
+        s->history = daft_history_create(s->play->def.engine, error);
+        if (s->time.line) timeline_forget(s->time.line, s->play);
         s->play->def.history = s->history;
         break;
     case RELIVE_LONG:

@@ -85,7 +85,7 @@ static void take_pause(session *s, const input_event *event)
     s->redraws |= wish != PAUSE_STAY || s->pause.chosen != before.chosen || s->pause.controls != before.controls ||
                   s->pause.waits != before.waits;
     if (wish == PAUSE_LEAVE) s->left = true;
-    if (wish == PAUSE_RESTART) session_restart(s);
+    if (wish == PAUSE_RESTART) session_release_time(s), session_restart(s);
     if (wish == PAUSE_KEYS) save_keys(s);
     if (wish != PAUSE_SET) return;
     s->paced = true;
@@ -142,13 +142,14 @@ static void handle_session_key(session *s, int key)
     if (strcmp(name, "f1") == 0) s->overlay = !s->overlay;
     if (strcmp(name, "f3") == 0) s->xray = !s->xray;
     if (strcmp(name, "f12") == 0) s->wants_shot = true;
+    s->redraws = true;
     if (s->play->failed) handle_failure_key(s, name);
 }
 
 /* ---- events ---- */
 
 /* What the player does, by the game's keys. */
-static void push_translated(session *s, input_event event)
+void session_push_translated(session *s, input_event event)
 {
     if (event.kind == INPUT_TEXT && !s->play->scripts.text) return;
     if (event.kind == INPUT_KEY) event.key = s->keys.to[event.key];
@@ -161,9 +162,9 @@ static void take_input(session *s, const input_event *event)
         take_pause(s, event);
     } else if (is_pause(s, event)) {
         open_pause(s);
-    } else {
+    } else if (!session_take_time_key(s, event)) {
         if (event->kind == INPUT_KEY && event->down) handle_session_key(s, event->key);
-        push_translated(s, *event);
+        session_push_translated(s, *event);
     }
 }
 

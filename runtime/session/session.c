@@ -152,6 +152,10 @@ static bool turn(session *s, daft_error *error)
     platform *screen = s->def->screen;
     session_take_events(s);
     if (s->pause.open) return turn_paused(s, error);
+    if (session_holds_time(s)) {
+        grab_mouse(s, false);
+        return session_turn_held(s, error);
+    }
     if (s->wants_reload) {
         s->wants_reload = s->reported = false;
         s->granted.changes = 0;
@@ -282,6 +286,7 @@ session_end session_play(const session_def *def, const game_info *info, daft_err
     bool failed = s.play->failed && (def->screen->headless || s.play->over);
     if (s.play->scene || s.play->scripts.L) game_close(s.play);
     daft_history_destroy(s.history);
+    session_close_time(&s);
     daft_engine_set_files(def->engine, NULL, NULL);
     source_close(&own);
     saves_close(s.kept);

@@ -609,6 +609,74 @@ static void a_game_that_began_again_is_relived_from_there(void **unused)
     drop_folder();
 }
 
+/* ---- time that is held ---- */
+
+static void tap(happening *out, size_t *count, uint64_t frame, const char *down, const char *up)
+{
+    out[(*count)++] = (happening){frame, down, 0, 0}, out[(*count)++] = (happening){frame + 1, up, 0, 0};
+}
+
+/* Back by five, on by two, back by one and one for the first: the tick that the game goes on from; and its recording
+ * plays as one straight game. */
+static void f5_and_f6_go_through_time(void **unused)
+{
+    (void)unused;
+    happening script[64];
+    size_t count = 0;
+    char line[256], now[80];
+    static char output[OUTPUT_SIZE];
+    int x, ticks;
+    begin_changing();
+    script[count++] = (happening){5, "+left", 0, 0};
+    for (int i = 0; i < 5; i++) tap(script, &count, 60 + 4 * (uint64_t)i, "+f5", "-f5"); /* tick 60 becomes 55 */
+    tap(script, &count, 90, "+f6", "-f6");
+    tap(script, &count, 94, "+f6", "-f6");
+    script[count++] = (happening){100, "-left", 0, 0};
+    tap(script, &count, 110, "+space", "-space"); /* on from tick 57 */
+    script[count++] = (happening){140, "close", 0, 0};
+    set_up(script, count);
+    assert_int_equal(play_changing(), SESSION_CLOSED);
+    saved_x(now);
+    assert_int_equal(sscanf(now, "\"%d after %d", &x, &ticks), 2);
+    assert_in_range(ticks, 57 + 26, 57 + 31);
+    assert_in_range(x, 57 - 6, 57 - 4); /* the key went up while time was held */
+    assert_int_equal(ticks_recorded(), ticks + 1);
+    snprintf(line, sizeof line, "for f in %s/kept/*; do mv $f $f.old; done", folder);
+    assert_int_equal(system(line), 0);
+    assert_status(run_daft(output, "play %s/changing --headless --strict --replay %s", folder, recorded), 0, output);
+    drop_folder();
+}
+
+/* Held down it goes back by as much as it was held, and no farther than the start; steps beyond the present are new
+ * ticks, of what the player holds. */
+static void time_that_is_held_is_scrubbed_and_stepped(void **unused)
+{
+    (void)unused;
+    char now[80];
+    int x, ticks;
+    const happening back[] = {
+        {5, "+left", 0, 0}, {60, "+f5", 0, 0}, {200, "-f5", 0, 0}, {210, "+space", 0, 0}, {230, "close", 0, 0}};
+    begin_changing();
+    PLAY(back);
+    assert_int_equal(play_changing(), SESSION_CLOSED);
+    saved_x(now);
+    assert_int_equal(sscanf(now, "\"%d after %d", &x, &ticks), 2);
+    assert_in_range(ticks, 17, 21); /* from the start on, the key held all the time */
+    assert_int_equal(x, ticks + 1);
+    drop_folder();
+    const happening on[] = {{60, "+f6", 0, 0}, {61, "-f6", 0, 0},   {70, "+left", 0, 0},
+                            {72, "+f6", 0, 0}, {73, "-f6", 0, 0},   {75, "+f6", 0, 0},
+                            {76, "-f6", 0, 0}, {90, "-left", 0, 0}, {95, "close", 0, 0}};
+    begin_changing();
+    PLAY(on);
+    assert_int_equal(play_changing(), SESSION_CLOSED);
+    saved_x(now);
+    assert_int_equal(sscanf(now, "\"%d after %d", &x, &ticks), 2);
+    assert_in_range(ticks, 60, 62);
+    assert_int_equal(x, 2);
+    drop_folder();
+}
+
 /* A game that has stopped with an error goes on when its script is right. */
 static void a_stopped_game_goes_on_when_it_is_right(void **unused)
 {
@@ -896,6 +964,8 @@ int main(void)
                                        cmocka_unit_test(saved_scripts_take_effect_while_the_game_runs),
                                        cmocka_unit_test(wrong_scripts_leave_the_old_ones_running),
                                        cmocka_unit_test(a_game_that_began_again_is_relived_from_there),
+                                       cmocka_unit_test(f5_and_f6_go_through_time),
+                                       cmocka_unit_test(time_that_is_held_is_scrubbed_and_stepped),
                                        cmocka_unit_test(a_stopped_game_goes_on_when_it_is_right),
                                        cmocka_unit_test(the_picture_follows_the_window),
                                        cmocka_unit_test(the_window_is_as_the_game_wishes),
