@@ -52,12 +52,14 @@ static bool start(game_state *state, daft_error *error)
                     .user = state->def.user};
     bool good = host_open(&state->scripts, &def);
     state->scripts.replaying = game_is_replaying(state);
-    state->failed = !good || !host_load(&state->scripts);
+    state->failed =
+        !good || !host_load(&state->scripts) || (state->def.handed && !host_reload(&state->scripts, state->def.handed));
     return true;
 }
 
 static void end(game_state *state)
 {
+    state->def.handed = NULL;
     host_close(&state->scripts);
     daft_scene_destroy(state->scene);
     state->scene = NULL;

@@ -1,5 +1,6 @@
 /* A changed game takes the place of the one that runs: what the player did since the start is done again with the new
- * code, as fast as it goes, so that the game stands where it stood. */
+ * code, as fast as it goes, so that the game stands where it stood. Where both have daft.reload, the new one is given
+ * what the old one keeps instead, and nothing is done again. */
 #ifndef RUNTIME_GAME_RELIVE_H
 #define RUNTIME_GAME_RELIVE_H
 
@@ -13,6 +14,7 @@ typedef struct trail {
     uint64_t first; /* the tick before which it began, */
     input keys;     /* what was held then, */
     saves *kept;    /* and what the game had kept; NULL: nothing is known */
+    char *handed;   /* what it was given for daft.reload; or NULL */
     size_t capacity, saved_capacity;
     bool lost; /* there was too much of it, or no memory */
 } trail;
@@ -32,6 +34,7 @@ saves *trail_saves(const trail *self, const char *game, daft_error *error);
 
 typedef enum relive_end {
     RELIVE_DONE,   /* `fresh` stands where `old` does, and `old` is closed */
+    RELIVE_HANDED, /* likewise, by daft.reload: no input leads there */
     RELIVE_FAILED, /* the new code fails: `message` says how, and `old` goes on */
     RELIVE_LONG    /* it takes too long: `old` goes on */
 } relive_end;

@@ -157,7 +157,7 @@ timeline *timeline_open(const game_def *live, uint64_t present, game_state *fres
         game_def again = self->live;
         past->made.end = present, past->made.next = 0;
         again.replay = &past->made, again.record = NULL, again.trail = NULL, again.heard = NULL;
-        again.saves = self->kept;
+        again.saves = self->kept, again.handed = past->handed;
         if (game_open(fresh, &again, error)) self->play = fresh;
     }
     if (!self->play) {
@@ -213,7 +213,7 @@ void timeline_close(timeline *self)
 void timeline_forget(timeline *self, game_state *play)
 {
     forget_all(self);
-    self->play = play, self->first = play->ticks;
+    self->play = play, self->first = self->past->first;
 }
 
 /* A game that has begun again does not go back to before that. */

@@ -372,9 +372,11 @@ static int on_error(lua_State *L)
 typedef struct request {
     const char *callback; /* daft.NAME; NULL: function */
     lua_CFunction function;
-    const char *file; /* the game's, which run_file runs */
-    const char *key;  /* an argument, or NULL */
-    const double *dt; /* an argument, or NULL */
+    const char *file;   /* the game's, which run_file runs */
+    const char *key;    /* an argument, or NULL */
+    const double *dt;   /* an argument, or NULL */
+    const char *handed; /* an argument as text, or NULL */
+    bool *has;          /* only says whether there is this callback; or NULL */
 } request;
 
 static int run_file(lua_State *L, const char *file)
@@ -396,10 +398,12 @@ static int carry_out(lua_State *L)
     api_push(L);
     lua_pushstring(L, what->callback);
     lua_rawget(L, -2);
-    if (!lua_isfunction(L, -1)) return 0;
+    if (what->has) *what->has = lua_isfunction(L, -1);
+    if (!lua_isfunction(L, -1) || what->has) return 0;
+    if (what->handed) api_push_handed(L, what->handed);
     if (what->key) lua_pushstring(L, what->key);
     if (what->dt) lua_pushnumber(L, *what->dt);
-    lua_call(L, (what->key != NULL) + (what->dt != NULL), 0);
+    lua_call(L, (what->key != NULL) + (what->dt != NULL) + (what->handed != NULL), 0);
     return 0;
 }
 
@@ -503,6 +507,19 @@ bool host_typed(host *state, int code)
     return call(state, "daft.textinput", (request){.callback = "textinput", .key = letter});
 }
 
+bool host_has(host *state, const char *callback)
+{
+    bool has = false;
+    return call(state, "daft", (request){.callback = callback, .has = &has}) && has;
+}
+
+bool host_hand_over(host *state) { return call(state, "daft.keep", (request){.function = api_hand_over}); }
+
+bool host_reload(host *state, const char *handed)
+{
+    return call(state, "daft.reload", (request){.callback = "reload", .handed = handed});
+}
+
 static bool drawing_stops(void *user) { return host_stopping(user); }
 
 float host_width(const host *state)
@@ -564,6 +581,8 @@ void host_close(host *state)
     state->dog = NULL;
     if (state->L) lua_close(state->L);
     state->L = NULL;
+    free(state->handed);
+    state->handed = NULL;
     mixer_free(&state->mixer);
     daft_image_destroy(state->window.icon);
     state->window.icon = NULL;

@@ -1,7 +1,7 @@
 /* host: one Lua 5.4 state that runs one game: its files, its callbacks, its errors.
  *
  * The game may set daft.load(), daft.update(dt), daft.draw(), daft.keypressed(key), daft.keyreleased(key) and
- * daft.textinput(letter).
+ * daft.textinput(letter), and for live reload daft.keep() and daft.reload(old).
  * It runs in a sandbox in which the same input gives the same game everywhere: no clock, no files, no addresses; random
  * numbers from a seed; pairs() in a fixed order; sin and its kin from libdaft and not from libm.
  *
@@ -107,6 +107,7 @@ typedef struct host {
     mixer mixer;                /* what sounds */
     uint32_t sounds, music;     /* made so far; the voice of the music */
     uint32_t fonts, images;     /* made so far */
+    char *handed;               /* what the game hands over to new code, as daft.save writes it; or NULL */
     failure failure;            /* of the last call, if it failed */
     char inner[FAILURE_TRACE / 2]; /* the stack of the coroutine in which an error began that is on its way; or empty */
 } host;
@@ -134,6 +135,12 @@ void host_end_tick(host *state);
 bool host_key(host *state, int key, bool down);
 bool host_typed(host *state, int code);
 bool host_draw(host *state, const canvas *picture);
+/* Whether the game has this callback. */
+bool host_has(host *state, const char *callback);
+/* For new code that takes its place: leaves in `handed` what daft.keep returns; without that function, its global
+ * variables that are plain data. */
+bool host_hand_over(host *state);
+bool host_reload(host *state, const char *handed);
 /* Around drawing the scene: what daft.particles made is seen from this camera, `ahead` seconds of the game after the
  * last tick, and is not there for anybody else. */
 void host_show_particles(host *h, const daft_camera *camera, double ahead);

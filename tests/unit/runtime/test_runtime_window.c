@@ -609,12 +609,125 @@ static void a_game_that_began_again_is_relived_from_there(void **unused)
     drop_folder();
 }
 
-/* ---- time that is held ---- */
-
 static void tap(happening *out, size_t *count, uint64_t frame, const char *down, const char *up)
 {
     out[(*count)++] = (happening){frame, down, 0, 0}, out[(*count)++] = (happening){frame + 1, up, 0, 0};
 }
+
+/* ---- daft.reload ---- */
+
+#define HANDS                                                                                                          \
+    "local all, n = { turns = 0 }, %s\nfunction daft.keep() all.turns = all.turns + 1 return all end\n"                \
+    "function daft.load() all.loaded = true end\nfunction daft.update() all.ticks = (all.ticks or 0) + n "             \
+    "daft.save('x', all.ticks .. ' turns ' .. all.turns .. ' after ' .. daft.tick()) end\n"
+#define TAKES "function daft.reload(old) assert(all.loaded and not all.ticks) all = old end\n"
+
+static const char *hands(const char *step, const char *more)
+{
+    static char text[4][1024];
+    static int last;
+    char *out = text[last++ % 4];
+    const int length = snprintf(out, 1024, "write " HANDS, step);
+    snprintf(out + length, 1024 - (size_t)length, "%s", more);
+    return out;
+}
+
+/* By what the old code keeps, and not by its input; the recording ends there, and is right. */
+static void state_is_handed_to_new_code(void **unused)
+{
+    (void)unused;
+    static char output[OUTPUT_SIZE];
+    char now[80], line[256];
+    int x, turns, ticks;
+    begin_changing();
+    const happening script[] = {
+        {40, hands("100", TAKES), 0, 0}, {80, hands("10000", TAKES), 0, 0}, {110, "close", 0, 0}};
+    write_game(hands("1", TAKES) + 6);
+    PLAY(script);
+    assert_int_equal(play_changing(), SESSION_CLOSED);
+    saved_x(now);
+    assert_int_equal(sscanf(now, "\"%d turns %d after %d", &x, &turns, &ticks), 3);
+    assert_int_equal(turns, 2);
+    assert_in_range(ticks, 20, 30); /* of the last code */
+    assert_int_equal(x / 10000, ticks + 1);
+    assert_in_range(x / 100 % 100, 38, 42);
+    assert_in_range(x % 100, 40, 47);
+    assert_int_equal(ticks_recorded(), x % 100);
+    write_game(hands("1", TAKES) + 6);
+    snprintf(line, sizeof line, "for f in %s/kept/*; do mv $f $f.old; done", folder);
+    assert_int_equal(system(line), 0);
+    assert_status(run_daft(output, "play %s/changing --headless --hash --replay %s", folder, recorded), 0, output);
+    drop_folder();
+}
+
+/* Where nothing can be handed over the old code runs on, or the input is played again. */
+static void reload_may_fail_or_be_missing(void **unused)
+{
+    (void)unused;
+    char now[80];
+    int x, turns, ticks;
+    begin_changing();
+    const happening wrong[] = {{30, hands("100", "function daft.reload(old) old.ticks.x = 1 end\n"), 0, 0},
+                               {60, hands("100", TAKES "function daft.keep() return print end\n"), 0, 0},
+                               {80, hands("5", TAKES), 0, 0}, /* refused: daft.keep fails */
+                               {100, "close", 0, 0}};
+    write_game(hands("1", TAKES) + 6);
+    PLAY(wrong);
+    assert_int_equal(play_changing(), SESSION_CLOSED);
+    saved_x(now);
+    assert_int_equal(sscanf(now, "\"%d turns %d after %d", &x, &turns, &ticks), 3);
+    assert_int_equal(turns, 2); /* kept twice: for the code that failed, and for the next one */
+    assert_int_equal(x / 100, ticks + 1);
+    assert_in_range(x % 100, 60, 67);
+    drop_folder();
+    begin_changing();
+    const happening missing[] = {{40, hands("3", ""), 0, 0}, {80, "close", 0, 0}};
+    write_game(hands("1", TAKES) + 6);
+    PLAY(missing);
+    assert_int_equal(play_changing(), SESSION_CLOSED);
+    saved_x(now);
+    assert_int_equal(sscanf(now, "\"%d turns %d after %d", &x, &turns, &ticks), 3);
+    assert_int_equal(x, 3 * (ticks + 1));
+    assert_in_range(ticks, 77, 81);
+    drop_folder();
+}
+
+/* Without daft.keep, plain global variables; and back in time to where they were handed over. */
+static void globals_are_handed_to_new_code(void **unused)
+{
+    (void)unused;
+    char now[80];
+    int x, ticks;
+    static const char GAME[] =
+        "write count, list = count or 0, { function() end, 5, inner = { true, 1 / 0 } }\nlist.self = list\n"
+        "function daft.reload(old) assert(old.list[2] == 5 and old.list.inner[1] and not old.list[1] and not old.math "
+        "and "
+        "not old._VERSION and not old.daft and not old.assert) count = old.count end\n"
+        "function daft.update() count = count + STEP daft.save('x', count .. ' after ' .. daft.tick()) end\n";
+    char second[1024];
+    const char *place = strstr(GAME, "STEP");
+    snprintf(second, sizeof second, "%.*s100%s", (int)(place - GAME), GAME, place + 4);
+    happening script[64] = {{40, second, 0, 0}};
+    size_t count = 1;
+    script[count++] = (happening){70, "+f5", 0, 0}; /* back beyond the reload: it stops there */
+    script[count++] = (happening){170, "-f5", 0, 0};
+    tap(script, &count, 180, "+space", "-space");
+    script[count++] = (happening){190, "close", 0, 0};
+    begin_changing();
+    char first[1024];
+    snprintf(first, sizeof first, "%.*s1%s", (int)(place - GAME) - 6, GAME + 6, place + 4);
+    write_game(first);
+    set_up(script, count);
+    assert_int_equal(play_changing(), SESSION_CLOSED);
+    saved_x(now);
+    assert_int_equal(sscanf(now, "\"%d after %d", &x, &ticks), 2);
+    assert_in_range(x % 100, 40, 47);
+    assert_int_equal(x / 100, ticks + 1);
+    assert_in_range(ticks, 7, 11);
+    drop_folder();
+}
+
+/* ---- time that is held ---- */
 
 /* Back by five, on by two, back by one and one for the first: the tick that the game goes on from; and its recording
  * plays as one straight game. */
@@ -644,6 +757,34 @@ static void f5_and_f6_go_through_time(void **unused)
     snprintf(line, sizeof line, "for f in %s/kept/*; do mv $f $f.old; done", folder);
     assert_int_equal(system(line), 0);
     assert_status(run_daft(output, "play %s/changing --headless --strict --replay %s", folder, recorded), 0, output);
+    drop_folder();
+}
+
+/* Live reload forgets the images of the old code's memory: the new one is played again from the start. */
+static void new_code_goes_back_too(void **unused)
+{
+    (void)unused;
+    char now[80];
+    int x, ticks;
+    happening script[64];
+    size_t count = 0;
+    begin_changing();
+    script[count++] = (happening){5, "+left", 0, 0};
+    tap(script, &count, 60, "+f5", "-f5");
+    tap(script, &count, 70, "+space", "-space"); /* from tick 59 on */
+    script[count++] = (happening){90, "write " WALK("100"), 0, 0};
+    script[count++] = (happening){120, "+f5", 0, 0};
+    script[count++] = (happening){300, "-f5", 0, 0};
+    for (int i = 0; i < 7; i++) tap(script, &count, 310 + 3 * (uint64_t)i, "+f6", "-f6");
+    tap(script, &count, 340, "+space", "-space");
+    script[count++] = (happening){350, "-left", 0, 0};
+    script[count++] = (happening){360, "close", 0, 0};
+    set_up(script, count);
+    assert_int_equal(play_changing(), SESSION_CLOSED);
+    saved_x(now);
+    assert_int_equal(sscanf(now, "\"%d after %d", &x, &ticks), 2);
+    assert_in_range(ticks, 7 + 17, 7 + 22);
+    assert_in_range(x, 100 * (2 + 8), 100 * (2 + 12)); /* of the first seven ticks the key was down in two */
     drop_folder();
 }
 
@@ -964,7 +1105,11 @@ int main(void)
                                        cmocka_unit_test(saved_scripts_take_effect_while_the_game_runs),
                                        cmocka_unit_test(wrong_scripts_leave_the_old_ones_running),
                                        cmocka_unit_test(a_game_that_began_again_is_relived_from_there),
+                                       cmocka_unit_test(state_is_handed_to_new_code),
+                                       cmocka_unit_test(reload_may_fail_or_be_missing),
+                                       cmocka_unit_test(globals_are_handed_to_new_code),
                                        cmocka_unit_test(f5_and_f6_go_through_time),
+                                       cmocka_unit_test(new_code_goes_back_too),
                                        cmocka_unit_test(time_that_is_held_is_scrubbed_and_stepped),
                                        cmocka_unit_test(a_stopped_game_goes_on_when_it_is_right),
                                        cmocka_unit_test(the_picture_follows_the_window),
