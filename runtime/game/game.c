@@ -46,6 +46,7 @@ static bool start(game_state *state, daft_error *error)
                     .map = state->def.map,
                     .face = state->def.face,
                     .saves = state->def.saves,
+                    .spans = state->def.spans,
                     .seed = state->def.seed,
                     .seconds = state->def.seconds,
                     .asked = state->def.asked,
@@ -148,8 +149,10 @@ static bool step(game_state *state)
     daft_error error;
     const float dt = (float)state->scripts.scale / LOOP_RATE;
     if (dt == 0) return true;
+    const uint64_t began = trace_begin(state->def.spans);
     watchdog_begin(state->scripts.dog, name, 1);
     bool good = daft_scene_step(state->scene, dt, &error);
+    trace_step(state->def.spans, state->scene, began);
     return in_time(state, name) && (good || stop_with(state, "simulation", &error));
 }
 
@@ -161,14 +164,15 @@ static void sound_on(game_state *state)
         mixer_tick(m, NULL);
         return;
     }
+    const uint64_t began = trace_begin(state->def.spans);
     ear_listen(m, state->scene);
     mixer_tick(m, frames);
+    trace_end(state->def.spans, "sound", began);
     state->def.heard(state->def.user, frames);
 }
 
-bool game_tick(game_state *state)
+static bool tick(game_state *state)
 {
-    if (state->failed) return false;
     daft_scene_begin_tick(state->scene);
     take_input(state);
     host_begin_tick(&state->scripts);
@@ -185,6 +189,15 @@ bool game_tick(game_state *state)
         return stop_with(state, "restart", &error);
     if (state->def.record) recorder_state(state->def.record, state->ticks, game_hash(state), state->scene);
     return !state->failed;
+}
+
+bool game_tick(game_state *state)
+{
+    if (state->failed) return false;
+    const uint64_t began = trace_begin(state->def.spans);
+    const bool good = tick(state);
+    trace_end(state->def.spans, "tick", began);
+    return good;
 }
 
 static bool keep_drawing(void *user, float unused)
@@ -210,7 +223,9 @@ static bool render(game_state *state, daft_image *picture, float alpha)
     watchdog_begin(state->scripts.dog, name, factor);
     atomic_store(&state->rendering, true);
     host_show_particles(&state->scripts, &view.camera, ((double)alpha - 1) * state->scripts.scale / LOOP_RATE);
+    const uint64_t began = trace_begin(state->def.spans);
     bool good = daft_render(state->scene, &view, picture, &error);
+    trace_picture(state->def.spans, state->scene, began);
     host_hide_particles(&state->scripts);
     atomic_store(&state->alive_ns, clock_now_ns());
     atomic_store(&state->rendering, false);

@@ -32,6 +32,7 @@ typedef struct game_def {
     recorder *record;         /* or NULL; must outlive the game */
     const char *handed;       /* for daft.reload, after daft.load; or NULL. Must outlive game_open */
     struct trail *trail;      /* of what happens, to do it again (relive.h); or NULL; must outlive the game */
+    tracer *spans;            /* of what takes time; or NULL; must outlive the game */
     daft_history *history;    /* of pictures that follow each other on a screen; or NULL; must outlive the game */
     const key_map *map;       /* the player's keys, for the game to show; or NULL; must outlive the game */
     saves *saves;             /* what the game keeps; must outlive it. NULL: as long as it runs */

@@ -445,9 +445,11 @@ static bool call(host *state, const char *shown, request what)
     lua_pushcfunction(L, carry_out);
     lua_pushlightuserdata(L, &what);
     host_set_running(state, L);
+    const uint64_t began = trace_begin(state->def.spans);
     watchdog_begin(state->dog, shown, 1);
     int status = lua_pcall(L, 1, 0, 1);
     watchdog_state ended = watchdog_end(state->dog);
+    trace_end(state->def.spans, shown, began);
     host_set_running(state, NULL);
     set_usual_hook(state, L);
     bool good = status == LUA_OK && ended == WATCHDOG_RUNNING;

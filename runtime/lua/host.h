@@ -14,6 +14,7 @@
 #include "hud/canvas.h"
 #include "files/home.h"
 #include "platform/actions.h"
+#include "common/trace.h"
 #include "lua/failure.h"
 #include "lua/watchdog.h"
 #include "sound/sound.h"
@@ -44,7 +45,8 @@ typedef struct host_def {
     input *keys;
     const key_map *map; /* the player's keys, to show them; or NULL */
     font *face;
-    saves *saves; /* what the game keeps: files/saves.h */
+    saves *saves;  /* what the game keeps: files/saves.h */
+    tracer *spans; /* of calls into the scripts; or NULL */
     uint64_t seed;
     uint64_t instructions;    /* one call may run so many, about; 0: only time counts */
     double seconds;           /* one call may take; 0: WATCHDOG_SECONDS */

@@ -47,6 +47,7 @@ typedef struct session {
     agreement agreed;
     recorder *record;
     tape sounds;
+    tracer *spans;
     saves *kept, *own; /* the game's; the program's */
     player_settings settings;
     pause_menu pause;
