@@ -47,6 +47,8 @@
 ---@field keypressed? fun(key: string)
 ---@field keyreleased? fun(key: string)
 ---@field textinput? fun(letter: string)
+---@field keep? fun(): any
+---@field reload? fun(old: any)
 daft = {}
 
 daft.query = {}

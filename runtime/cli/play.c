@@ -22,7 +22,8 @@ static const cli_command COMMAND = {
     "a menu.",
     "Keys: Esc opens a menu, F1 shows the time of each effect and of the last frames, F2 what other settings would "
     "cost, F3 the shapes and contacts of "
-    "bodies, F4 the fields of an entity, the key left of 1 opens a console for Lua, F11 or Alt+Enter toggles full "
+    "bodies, F4 the fields of an entity, F5 and F6 go back and forward in time, the key left of 1 opens a console for "
+    "Lua, F11 or Alt+Enter toggles full "
     "screen, F12 writes a picture.\n"
     "Without a display it plays the game's recorded demo (marble's when GAME is missing) and writes daft-demo.png.",
     0,
@@ -45,7 +46,7 @@ typedef struct play_options {
     bool strict;
     const char *speed_text;
     double speed; /* 0: not said */
-    const char *sandbox, *record, *replay, *isa, *shot, *stats, *sound, *game;
+    const char *sandbox, *record, *replay, *isa, *shot, *stats, *sound, *trace, *game;
 } play_options;
 
 typedef struct player {
@@ -92,6 +93,7 @@ static session_def base_session(const player *p)
                          .shot_tick = (uint64_t)o->shot_tick,
                          .stats = o->stats,
                          .sound = o->sound,
+                         .trace = o->trace,
                          .speaks = p->speaks,
                          .seconds = o->seconds};
 }
@@ -139,7 +141,7 @@ static const char *folder_of(const char *path, char out[PATH_SIZE])
 static bool seal(const player *p, const session_def *session)
 {
     const play_options *o = &p->options;
-    char folders[4][PATH_SIZE], libraries[PATH_SIZE + 8];
+    char folders[5][PATH_SIZE], libraries[PATH_SIZE + 8];
     daft_error error;
     if (strcmp(o->sandbox, "off") == 0) return true;
     snprintf(libraries, sizeof libraries, "%s/../lib", p->where.scripts); /* of a game that is a program of its own */
@@ -147,7 +149,8 @@ static bool seal(const player *p, const session_def *session)
                                  libraries, session->replay, session->costs, session->saves},
                     .writable = {folder_of(session->record, folders[0]), folder_of(session->shot, folders[1]),
                                  folder_of(session->stats, folders[2]), folder_of(session->sound, folders[3]),
-                                 p->screen->headless ? NULL : ".", session->costs, session->saves},
+                                 folder_of(session->trace, folders[4]), p->screen->headless ? NULL : ".",
+                                 session->costs, session->saves},
                     .window = !p->screen->headless};
     if (seal_process(&def, &error)) return true;
     report(&error);
@@ -325,6 +328,8 @@ int command_play(int argc, char **argv)
         {"sound", 0, CLI_TEXT, "FILE", &o->sound, 0, 0, "write what sounds to FILE.wav, also without a loudspeaker"},
         {"mute", 0, CLI_FLAG, NULL, &o->mute, 0, 0, "leave the loudspeaker alone"},
         {"stats", 0, CLI_TEXT, "FILE", &o->stats, 0, 0, "write frame times and counters as JSON; - is stdout"},
+        {"trace", 0, CLI_TEXT, "FILE", &o->trace, 0, 0,
+         "write what took how long, for chrome://tracing or ui.perfetto.dev: FILE.json"},
         {"every-frame", 0, CLI_FLAG, NULL, &o->every_frame, 0, 0, "draw every frame when headless too, for --stats"}};
     const char *operands[CLI_OPERANDS];
     size_t count;

@@ -9,6 +9,7 @@
 #include "common/quality.h"
 #include "common/showcase.h"
 #include "common/stats.h"
+#include "common/trace.h"
 #include "common/util.h"
 #include "many/bands.h"
 #include "job/shot.h"
@@ -35,7 +36,8 @@ static const cli_command COMMAND = {
 #define AS_IT_IS ((daft_intersection)-1)
 
 typedef struct render_options {
-    const char *scene, *out, *isa, *stats;
+    const char *scene, *out, *isa, *stats, *trace;
+    tracer *spans; /* of --trace, or NULL */
     quality_wish quality;
     daft_intersection intersection; /* instead of the quality's; AS_IT_IS: none */
     daft_accel accel;
@@ -135,9 +137,11 @@ static bool render(daft_scene *scene, const render_options *o, daft_image *image
     daft_view view = o->again ? o->again->view : daft_default_view();
     bool is_mesh = showcase_is_mesh(o->scene);
     double aspect = (double)o->size.height / (double)o->size.width;
+    const uint64_t loading = trace_begin(o->spans);
     if (is_mesh ? !showcase_mesh(scene, o->scene, aspect, &view.camera, error)
                 : !daft_scene_load(scene, o->scene, error))
         return false;
+    trace_end(o->spans, "load", loading);
     if (!is_mesh && !choose_camera(scene, o, &view.camera, error)) return false;
     if (is_mesh && o->camera_given && o->camera > 0)
         return fail(error, DAFT_ERROR_ARGUMENT, "--camera %ld: a mesh by itself has one camera, 0", o->camera);
@@ -157,7 +161,9 @@ static bool render(daft_scene *scene, const render_options *o, daft_image *image
         return good;
     }
     for (; good && progress.frame < o->repeat; progress.frame++) {
+        const uint64_t began = trace_begin(o->spans);
         good = daft_render(scene, &view, image, error);
+        trace_picture(o->spans, scene, began);
         frame_times_add(times, daft_scene_counters(scene)->frame_ms, daft_scene_counters(scene));
     }
     progress_end(&progress.bar);
@@ -169,19 +175,23 @@ static bool write(const render_options *o, daft_engine *engine, daft_image *imag
 {
     if (o->all && many_rank(o->all) > 0) return true;
     bool good = true;
+    const uint64_t began = trace_begin(o->spans);
     if (o->out && has_extension(o->out, ".exr"))
         good = channels_write_exr(&o->aov, o->out, error);
     else if (o->out)
         good = daft_image_write(image, o->out, error) && channels_write(&o->aov, engine, o->out, error);
+    trace_end(o->spans, "write", began);
     if (good && o->term)
         terminal_show(o->terminal, daft_image_pixels(image), daft_image_width(image), daft_image_height(image));
     if (good && o->explain) stats_print_plan(stdout, daft_scene_counters(scene));
     times->memory = daft_engine_memory(engine);
+    good = good && trace_finish(o->spans, error);
     return good && (!o->stats || stats_write(o->stats, daft_scene_counters(scene), times, error));
 }
 
 static bool render_and_write(daft_engine *engine, render_options *o, daft_error *error)
 {
+    if (o->trace && !(o->spans = trace_open(o->trace, TRACE_EVENTS, error))) return false;
     frame_times times = {0};
     daft_image *image = daft_image_create(engine, o->size.width, o->size.height, error);
     daft_scene *scene = image && channels_allocate(&o->aov, o->size.width, o->size.height, error)
@@ -195,6 +205,7 @@ static bool render_and_write(daft_engine *engine, render_options *o, daft_error 
     daft_image_destroy(image);
     channels_free(&o->aov);
     frame_times_free(&times);
+    trace_free(o->spans);
     return good;
 }
 
@@ -251,6 +262,8 @@ static cli_outcome parse(render_options *o, int argc, char **argv)
         {"explain", 0, CLI_FLAG, NULL, &o->explain, 0, 0,
          "print the plan: each effect, why it ran or not, rays, milliseconds"},
         {"stats", 0, CLI_TEXT, "FILE", &o->stats, 0, 0, "write times and counters as JSON; - is stdout"},
+        {"trace", 0, CLI_TEXT, "FILE", &o->trace, 0, 0,
+         "write what took how long, for chrome://tracing or ui.perfetto.dev: FILE.json"},
         {"repeat", 0, CLI_COUNT, "N", &o->repeat, 1, 100000, "render N times, for the times of --stats (1)"},
         {"reuse", 0, CLI_FLAG, NULL, &o->reuse, 0, 0,
          "with --repeat: draw only what has changed since the picture before"}};
@@ -304,8 +317,9 @@ int command_render(int argc, char **argv)
     def.accel = o.accel;
     def.memory_limit = o.memory;
     daft_error error;
-    if (many_started() && (o.stats || o.explain || o.wrong || o.repeat > 1))
-        return cli_refuse("render", "--stats, --explain, --wrong and --repeat are for one process, without mpirun");
+    if (many_started() && (o.stats || o.trace || o.explain || o.wrong || o.repeat > 1))
+        return cli_refuse("render",
+                          "--stats, --trace, --explain, --wrong and --repeat are for one process, without mpirun");
     if (many_started() && !(o.all = many_join(&error))) return report(&error);
     bool good = run(&def, &o, &error);
     if (!good && o.all) many_drop_out(o.all, &error);

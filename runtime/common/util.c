@@ -148,6 +148,19 @@ bool draft_commit(draft_file *out, const char *path, daft_error *error)
     return good;
 }
 
+void *memory_take(const daft_allocator *memory, size_t size)
+{
+    return memory && memory->allocate ? memory->allocate(memory->user, size, 16) : malloc(size);
+}
+
+void memory_release(const daft_allocator *memory, void *pointer)
+{
+    if (pointer && memory && memory->release)
+        memory->release(memory->user, pointer);
+    else
+        free(pointer);
+}
+
 uint64_t clock_now_ns(void)
 {
     struct timespec now;

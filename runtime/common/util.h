@@ -1,8 +1,9 @@
 /* common: what every room of the program uses.
- * Public headers: util.h stats.h json.h progress.h stop.h showcase.h quality.h
+ * Public headers: util.h stats.h json.h progress.h stop.h showcase.h quality.h trace.h
  * util.h has errors in the engine's form, near misses of names, paths and time; stats.h times and counters of frames;
  * json.h JSON files; progress.h a progress bar; showcase.h a mesh without a scene; quality.h the knobs of pictures;
- * stop.h the end of the program before its time. Promises: nothing here keeps state, but for stop.h. */
+ * stop.h the end of the program before its time; trace.h what took how long. Promises: nothing here keeps state, but
+ * for stop.h. */
 #ifndef RUNTIME_COMMON_UTIL_H
 #define RUNTIME_COMMON_UTIL_H
 
@@ -48,6 +49,10 @@ typedef struct draft_file {
 bool draft_open(draft_file *out, daft_error *error);
 /* Writes the file (daft_write_file) and frees the memory, also where it fails. */
 bool draft_commit(draft_file *out, const char *path, daft_error *error);
+
+/* From an allocator, aligned to 16 bytes; NULL, or one that is all zero: malloc. */
+void *memory_take(const daft_allocator *memory, size_t size);
+void memory_release(const daft_allocator *memory, void *pointer); /* NULL is fine */
 
 uint64_t clock_now_ns(void); /* monotonic */
 

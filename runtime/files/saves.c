@@ -123,6 +123,25 @@ saves *saves_copy(const saves *from, daft_error *error)
     return copy;
 }
 
+bool saves_take(saves *store, const saves *from, daft_error *error)
+{
+    for (size_t i = 0; i < from->count; i++) {
+        const item *source = &from->items[i];
+        item *to = find(store, source->name);
+        if ((!to && !(to = add(store, source->name, error))) || !set(to, source->text, error)) return false;
+        to->broken = source->broken, to->expected = source->expected, to->error = source->error;
+    }
+    return true;
+}
+
+saves *saves_clone(const saves *from, daft_error *error)
+{
+    saves *copy = saves_open(&(saves_def){.game = from->def.game}, error);
+    if (copy && saves_take(copy, from, error)) return copy;
+    saves_close(copy);
+    return NULL;
+}
+
 /* The text of a file's bytes, in place; NULL with the message. */
 static const char *take_text(char *bytes, size_t size, const char *path, daft_error *error)
 {

@@ -23,6 +23,10 @@ typedef struct saves_def {
 saves *saves_open(const saves_def *def, daft_error *error);
 /* One of the same values without a folder. */
 saves *saves_copy(const saves *from, daft_error *error);
+/* Another just like it, but without a folder, and telling nobody; and back: `store` holds what `from` does, while its
+ * files stay as they are until the game saves anew. */
+saves *saves_clone(const saves *from, daft_error *error);
+bool saves_take(saves *store, const saves *from, daft_error *error);
 void saves_close(saves *store); /* NULL is fine */
 /* Letters, digits, '_' and '-', SAVES_NAME at most. */
 bool saves_is_name(const char *name);

@@ -8,7 +8,9 @@
 #include <string.h>
 #include <sys/stat.h>
 
-enum { DEEPEST = 8, MOST = 4096, EVERY_NS = 50000000 };
+enum { DEEPEST = 8, MOST = 4096 };
+/* Between two looks; the second one at something new; and where there are so many files that a look takes long. */
+static const uint64_t EVERY_NS = 25000000, SOON_NS = 10000000, SELDOM_NS = 200000000;
 
 /* What games load. Recordings and the like are written beside them while they run. */
 static bool is_loaded(const char *name)
@@ -57,14 +59,17 @@ static uint64_t look_once(const watch *self)
 
 void watch_begin(watch *self, const char *folder)
 {
-    *self = (watch){.folder = folder};
+    *self = (watch){.folder = folder, .every_ns = EVERY_NS};
     self->known = self->last = look_once(self);
 }
 
 bool watch_changed(watch *self, uint64_t now_ns)
 {
-    if (!self->folder || now_ns - self->looked_ns < EVERY_NS) return false;
-    const uint64_t now = look_once(self), before = self->last;
+    const uint64_t wait = self->last != self->known ? SOON_NS : self->every_ns;
+    if (!self->folder || now_ns - self->looked_ns < wait) return false;
+    const uint64_t began = clock_now_ns(), now = look_once(self), before = self->last;
+    const uint64_t least = 100 * (clock_now_ns() - began);
+    self->every_ns = least < EVERY_NS ? EVERY_NS : least < SELDOM_NS ? least : SELDOM_NS;
     self->looked_ns = now_ns, self->last = now;
     if (now != before || now == self->known) return false;
     self->known = now;

@@ -41,12 +41,16 @@ static bool start(game_state *state, daft_error *error)
                     .folder = state->def.info->folder,
                     .name = state->def.info->name,
                     .engine = state->def.engine,
+                    .memory = state->def.memory,
+                    .keep_font = state->def.keep_font,
+                    .keeper = state->def.keeper,
                     .scene = state->scene,
                     .keys = &state->keys,
                     .map = state->def.map,
                     .keyboard = state->def.keyboard,
                     .face = state->def.face,
                     .saves = state->def.saves,
+                    .spans = state->def.spans,
                     .seed = state->def.seed,
                     .seconds = state->def.seconds,
                     .asked = state->def.asked,
@@ -54,13 +58,15 @@ static bool start(game_state *state, daft_error *error)
                     .user = state->def.user};
     bool good = host_open(&state->scripts, &def);
     state->scripts.replaying = game_is_replaying(state);
-    state->failed = !good || !host_load(&state->scripts);
+    state->failed =
+        !good || !host_load(&state->scripts) || (state->def.handed && !host_reload(&state->scripts, state->def.handed));
     return true;
 }
 
 static void end(game_state *state)
 {
     while (state->line_count > 0) free(state->lines[--state->line_count]);
+    state->def.handed = NULL;
     host_close(&state->scripts);
     daft_scene_destroy(state->scene);
     state->scene = NULL;
@@ -185,8 +191,10 @@ static bool step(game_state *state)
     daft_error error;
     const float dt = (float)state->scripts.scale / LOOP_RATE;
     if (dt == 0) return true;
+    const uint64_t began = trace_begin(state->def.spans);
     watchdog_begin(state->scripts.dog, name, 1);
     bool good = daft_scene_step(state->scene, dt, &error);
+    trace_step(state->def.spans, state->scene, began);
     return in_time(state, name) && (good || stop_with(state, "simulation", &error));
 }
 
@@ -198,14 +206,15 @@ static void sound_on(game_state *state)
         mixer_tick(m, NULL);
         return;
     }
+    const uint64_t began = trace_begin(state->def.spans);
     ear_listen(m, state->scene);
     mixer_tick(m, frames);
+    trace_end(state->def.spans, "sound", began);
     state->def.heard(state->def.user, frames);
 }
 
-bool game_tick(game_state *state)
+static bool tick(game_state *state)
 {
-    if (state->failed) return false;
     daft_scene_begin_tick(state->scene);
     take_input(state);
     host_begin_tick(&state->scripts);
@@ -223,6 +232,15 @@ bool game_tick(game_state *state)
         return stop_with(state, "restart", &error);
     if (state->def.record) recorder_state(state->def.record, state->ticks, game_hash(state), state->scene);
     return !state->failed;
+}
+
+bool game_tick(game_state *state)
+{
+    if (state->failed) return false;
+    const uint64_t began = trace_begin(state->def.spans);
+    const bool good = tick(state);
+    trace_end(state->def.spans, "tick", began);
+    return good;
 }
 
 static bool keep_drawing(void *user, float unused)
@@ -256,7 +274,9 @@ static bool show(game_state *state, float alpha, look_function *look, void *user
     watchdog_begin(state->scripts.dog, name, factor);
     atomic_store(&state->rendering, true);
     host_show_particles(&state->scripts, &view.camera, ((double)alpha - 1) * state->scripts.scale / LOOP_RATE);
+    const uint64_t began = trace_begin(state->def.spans);
     const bool good = look(user, state->scene, &view, error);
+    trace_picture(state->def.spans, state->scene, began);
     host_hide_particles(&state->scripts);
     atomic_store(&state->alive_ns, clock_now_ns());
     atomic_store(&state->rendering, false);

@@ -1,11 +1,11 @@
 /* game: one tick of a game, and what plays it again, holds it in time and shows what it is.
- * Public headers: game.h agree.h xray.h fingerprint.h recording.h loop.h governor.h ear.h pause.h relive.h.
- * recording.h reads and writes input, loop.h is the fixed time step, and game.h (this) runs one game, tick by tick,
- * without a window or a clock. One tick stores
- * the poses for interpolation, applies the input (live or recorded), runs lines of Lua that somebody typed, calls
- * daft.keypressed and daft.keyreleased, then daft.update(1/60), then steps the simulation. Promises: the same recording
- * gives the same ticks. After a script error the game stops and keeps the message until it is reloaded. Callbacks,
- * steps and pictures that take too long are errors of that kind (lua/watchdog.h). */
+ * Public headers: game.h agree.h xray.h fingerprint.h recording.h loop.h governor.h ear.h pause.h relive.h timeline.h
+ * heap.h. recording.h reads and writes input, loop.h is the fixed time step, and game.h (this) runs one game, tick by
+ * tick, without a window or a clock. One tick stores the poses for interpolation, applies the input (live or recorded),
+ * runs lines of Lua that somebody typed, calls daft.keypressed and daft.keyreleased, then daft.update(1/60), then steps
+ * the simulation. Promises: the same recording gives the same ticks. After a script error the game stops and keeps the
+ * message until it is reloaded. Callbacks, steps and pictures that take too long are errors of that kind
+ * (lua/watchdog.h). */
 #ifndef RUNTIME_GAME_GAME_H
 #define RUNTIME_GAME_GAME_H
 
@@ -22,12 +22,18 @@ typedef struct game_def {
     const game_info *info;
     const game_source *source; /* its files; must outlive the game. NULL: game_open opens them */
     daft_engine *engine;       /* loads from the game's files until game_close */
+    /* As in host_def; NULL: malloc, and fonts close with their handles. */
+    const daft_allocator *memory;
+    void (*keep_font)(void *keeper, font *face);
+    void *keeper;
     font *face;
     quality_wish quality; /* QUALITY_OF_SCENE: what the game asks for */
     uint64_t seed;
     recording *replay;        /* or NULL; must outlive the game */
     recorder *record;         /* or NULL; must outlive the game */
+    const char *handed;       /* for daft.reload, after daft.load; or NULL. Must outlive game_open */
     struct trail *trail;      /* of what happens, to do it again (relive.h); or NULL; must outlive the game */
+    tracer *spans;            /* of what takes time; or NULL; must outlive the game */
     daft_history *history;    /* of pictures that follow each other on a screen; or NULL; must outlive the game */
     const key_map *map;       /* the player's keys, for the game to show; or NULL; must outlive the game */
     platform *keyboard;       /* the player's, for what is printed on its keys; or NULL; must outlive the game */

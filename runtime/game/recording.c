@@ -438,6 +438,12 @@ bool recording_clean_line(const char *typed, char *out, size_t size)
 
 /* ---- writing ---- */
 
+/* What a cut needs to know of a tick. */
+typedef struct recorded_tick {
+    long begins;   /* in the file, bytes */
+    uint16_t hash; /* of the state after it, in part */
+} recorded_tick;
+
 struct recorder {
     pthread_mutex_t lock; /* of what follows: recorder_finish may be called from any thread */
     FILE *file;           /* NULL: the recording is in place, or was lost */
@@ -446,6 +452,8 @@ struct recorder {
     recording_state now;   /* the second that is not yet in the file */
     recording_mark *known; /* of entities, by their index: what was told last */
     size_t known_count;
+    recorded_tick *past; /* of each tick */
+    size_t past_count, past_capacity;
 };
 
 enum { INDEX_MASK = (1 << 20) - 1 }; /* an entity's number is its index and a generation above it */
@@ -522,12 +530,26 @@ static void put_event(FILE *file, uint64_t tick, const input_event *event)
         fprintf(file, "%s %.9g %.9g\n", names[event->kind], (double)event->x, (double)event->y);
 }
 
+/* Without memory for it the recording is still right, but cannot be cut. */
+static void note_tick(recorder *writer, uint64_t tick)
+{
+    if (!writer->file || tick != writer->past_count) return;
+    if (writer->past_count == writer->past_capacity) {
+        const size_t more = writer->past_capacity ? 2 * writer->past_capacity : 1024;
+        recorded_tick *grown = realloc(writer->past, more * sizeof *grown);
+        if (!grown) return;
+        writer->past = grown, writer->past_capacity = more;
+    }
+    writer->past[writer->past_count++] = (recorded_tick){ftell(writer->file), 0};
+}
+
 void recorder_tick(recorder *writer, uint64_t tick, const input_event *events, size_t count)
 {
     pthread_mutex_lock(&writer->lock);
     bool marks = tick > 0 && tick % LOOP_RATE == 0 && tick >= writer->ticks; /* once */
     if (writer->file && marks) fprintf(writer->file, "tick %" PRIu64 "\n", tick);
     if (writer->file && marks) fflush(writer->file);
+    note_tick(writer, tick);
     for (size_t i = 0; writer->file && i < count; i++) put_event(writer->file, tick, &events[i]);
     writer->ticks = tick + 1;
     pthread_mutex_unlock(&writer->lock);
@@ -600,6 +622,7 @@ void recorder_state(recorder *writer, uint64_t ticks, uint64_t hash, daft_scene 
     recording_state *now = &writer->now;
     if (writer->file) {
         now->tick = ticks, now->hash = hash;
+        if (ticks > 0 && ticks <= writer->past_count) writer->past[ticks - 1].hash = (uint16_t)hash;
         if (now->count < RECORDING_SECOND) now->ticks[now->count++] = (uint16_t)hash;
         if (ticks % RECORDING_SECOND == 0) {
             put_state(writer);
@@ -607,6 +630,39 @@ void recorder_state(recorder *writer, uint64_t ticks, uint64_t hash, daft_scene 
         }
     }
     pthread_mutex_unlock(&writer->lock);
+}
+
+/* Entities told of since are to be told anew. */
+static void forget_told(recorder *writer, uint64_t ticks)
+{
+    for (size_t i = 0; i < writer->known_count; i++)
+        if (writer->known[i].tick > ticks)
+            writer->known[i].print = ~writer->known[i].print, writer->known[i].gone = false;
+}
+
+static bool cut_file(recorder *writer, uint64_t ticks)
+{
+    if (ticks > writer->past_count) return false;
+    if (ticks == writer->past_count) return true;
+    const long size = writer->past[ticks].begins;
+    return fflush(writer->file) == 0 && ftruncate(fileno(writer->file), size) == 0 &&
+           fseek(writer->file, size, SEEK_SET) == 0;
+}
+
+bool recorder_cut(recorder *writer, uint64_t ticks, uint64_t hash, daft_error *error)
+{
+    if (!writer) return true;
+    pthread_mutex_lock(&writer->lock);
+    const bool good = !writer->file || cut_file(writer, ticks);
+    if (writer->file && good) {
+        writer->past_count = writer->ticks = ticks;
+        writer->now = (recording_state){.tick = ticks % RECORDING_SECOND ? ticks : 0, .hash = hash};
+        for (uint64_t i = ticks - ticks % RECORDING_SECOND; i < ticks; i++)
+            writer->now.ticks[writer->now.count++] = writer->past[i].hash;
+        forget_told(writer, ticks);
+    }
+    pthread_mutex_unlock(&writer->lock);
+    return good || fail_at(error, writer->path, 0, 0, "the recording cannot be cut after tick %" PRIu64, ticks);
 }
 
 void recorder_saved(recorder *writer, const char *name, const char *text)
@@ -652,5 +708,6 @@ void recorder_free(recorder *writer)
     if (!writer) return;
     pthread_mutex_destroy(&writer->lock);
     free(writer->known);
+    free(writer->past);
     free(writer);
 }

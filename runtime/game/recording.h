@@ -117,6 +117,9 @@ void recorder_state(recorder *writer, uint64_t ticks, uint64_t hash, daft_scene 
 void recorder_tick(recorder *writer, uint64_t tick, const input_event *events, size_t count);
 /* After recorder_tick: a line of Lua that runs as this tick begins. */
 void recorder_line(recorder *writer, uint64_t tick, const char *text);
+/* The game goes on from the state after `ticks` ticks, whose hash this is: what was recorded of later ones is gone.
+ * NULL is fine. False: the file cannot be cut. */
+bool recorder_cut(recorder *writer, uint64_t ticks, uint64_t hash, daft_error *error);
 /* What the game was given of what it had kept; before the tick ends. NULL is fine. */
 void recorder_saved(recorder *writer, const char *name, const char *text);
 /* Ends the file after the last tick that began, and puts it into place; from any thread, once: then the recorder takes

@@ -64,23 +64,40 @@ void trail_free(trail *self)
 {
     recording_free(&self->made);
     saves_close(self->kept);
+    free(self->handed);
     *self = (trail){0};
 }
 
-/* ---- again ---- */
-
-/* What it saves on the way it has saved before. */
-static saves *open_saves(const game_state *old, const trail *from, daft_error *error)
+static size_t first_at(const trail *self, uint64_t tick)
 {
-    saves *s =
-        from->kept ? saves_copy(from->kept, error) : saves_open(&(saves_def){.game = old->def.info->name}, error);
-    for (size_t i = 0; s && i < from->made.saved_count; i++) {
-        if (saves_expect(s, from->made.saved[i].name, from->made.saved[i].text, error)) continue;
+    size_t low = 0, high = self->made.count;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (self->made.items[middle].tick < tick)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+void trail_seek(trail *self, uint64_t tick) { self->made.next = first_at(self, tick); }
+
+void trail_cut(trail *self, uint64_t tick) { self->made.count = first_at(self, tick); }
+
+/* What is saved on the way has been saved before. */
+saves *trail_saves(const trail *self, const char *game, daft_error *error)
+{
+    saves *s = self->kept ? saves_copy(self->kept, error) : saves_open(&(saves_def){.game = game}, error);
+    for (size_t i = 0; s && i < self->made.saved_count; i++) {
+        if (saves_expect(s, self->made.saved[i].name, self->made.saved[i].text, error)) continue;
         saves_close(s);
         return NULL;
     }
     return s;
 }
+
+/* ---- again ---- */
 
 /* False: too long. */
 static bool catch_up(game_state *fresh, uint64_t ticks)
@@ -105,14 +122,72 @@ static void take_over(game_state *old, game_state *fresh)
     fresh->scripts.replaying = old->scripts.replaying;
 }
 
+/* The game that is there begins with this tick, and with what it was handed. */
+static void restart_trail(trail *self, const game_state *fresh, saves *kept, char *handed)
+{
+    trail_free(self);
+    self->first = fresh->ticks, self->keys = fresh->keys, self->kept = kept, self->handed = handed;
+    self->lost = !kept;
+}
+
+/* What was to be said of the one that failed. */
+static relive_end refuse(game_state *fresh, const game_state *old, char message[HOST_MESSAGE])
+{
+    daft_error ignored;
+    snprintf(message, HOST_MESSAGE, "%s", fresh->scripts.failure.message);
+    game_close(fresh);
+    daft_engine_set_files(old->def.engine, old->def.source->files, &ignored);
+    return RELIVE_FAILED;
+}
+
+/* RELIVE_LONG: it has no daft.reload, so that the input must do. */
+static relive_end hand_over(game_state *old, game_state *fresh, trail *from, char message[HOST_MESSAGE],
+                            daft_error *error)
+{
+    if (!host_hand_over(&old->scripts)) {
+        snprintf(message, HOST_MESSAGE, "%s", old->scripts.failure.message);
+        return RELIVE_FAILED;
+    }
+    game_def def = old->def;
+    char *handed = old->scripts.handed;
+    saves *kept = saves_copy(old->def.saves, error);
+    old->scripts.handed = NULL;
+    def.record = NULL, def.trail = NULL, def.heard = NULL, def.handed = handed;
+    if (!kept || !game_open(fresh, &def, error)) {
+        char text[1100];
+        snprintf(message, HOST_MESSAGE, "%.900s", daft_error_text(error, text, sizeof text));
+        saves_close(kept), free(handed);
+        return RELIVE_FAILED;
+    }
+    const bool can = fresh->failed || host_has(&fresh->scripts, "reload");
+    if (fresh->failed || !can) {
+        saves_close(kept), free(handed);
+        refuse(fresh, old, message);
+        return can ? RELIVE_FAILED : RELIVE_LONG;
+    }
+    fresh->ticks = old->ticks, fresh->keys = old->keys;
+    take_over(old, fresh);
+    game_close(old);
+    restart_trail(from, fresh, kept, handed);
+    daft_engine_set_files(def.engine, def.source->files, error); /* the one that was closed let go of them */
+    return RELIVE_HANDED;
+}
+
 relive_end relive(game_state *old, game_state *fresh, trail *from, char message[HOST_MESSAGE], daft_error *error)
 {
+    const failure shown = old->scripts.failure; /* calls into it forget why it has stopped */
+    const relive_end handed =
+        host_has(&old->scripts, "reload") ? hand_over(old, fresh, from, message, error) : RELIVE_LONG;
+    if (handed == RELIVE_HANDED) return handed;
+    old->scripts.failure = shown;
+    if (handed == RELIVE_FAILED) return handed;
     if (from->lost) return RELIVE_LONG;
-    saves *kept = open_saves(old, from, error);
+    saves *kept = trail_saves(from, old->def.info->name, error);
     game_def def = old->def;
     from->made.next = from->made.next_line = 0, from->made.end = old->ticks;
     def.replay = &from->made, def.record = NULL, def.trail = NULL, def.heard = NULL, def.printed = NULL,
     def.answered = NULL, def.saves = kept;
+    def.handed = from->handed;
     bool good = kept && game_open(fresh, &def, error);
     const bool opened = good;
     if (good) fresh->ticks = from->first, fresh->keys = from->keys;

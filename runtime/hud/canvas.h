@@ -104,6 +104,8 @@ typedef struct font font;
  */
 font *font_open(daft_engine *engine, const daft_files *files, const char *path, const char *name, daft_error *error);
 void font_close(font *face); /* NULL is fine */
+/* It counts towards no memory limit any more, and may outlive its engine. NULL is fine. */
+void font_uncount(font *face);
 
 typedef enum text_align { TEXT_LEFT, TEXT_CENTER, TEXT_RIGHT } text_align;
 

@@ -60,11 +60,17 @@ static void forget_glyphs(font *face)
     face->cached = face->cached_bytes = 0;
 }
 
+void font_uncount(font *face)
+{
+    if (face && face->engine) daft_engine_unreserve(face->engine, face->reserved);
+    if (face) face->engine = NULL;
+}
+
 void font_close(font *face)
 {
     if (!face) return;
     forget_glyphs(face);
-    if (face->engine) daft_engine_unreserve(face->engine, face->reserved);
+    font_uncount(face);
     free(face->bytes);
     free(face);
 }

@@ -542,11 +542,12 @@ void api_print_annotations(void)
     size_t callbacks;
     const char *const *names = api_callbacks(&callbacks);
     for (size_t i = 0; i < callbacks; i++) {
-        const char *arguments = strcmp(names[i], "update") == 0 ? "dt: number"
-                                : strstr(names[i], "key")       ? "key: string"
-                                : strstr(names[i], "text")      ? "letter: string"
-                                                                : "";
-        printf("---@field %s? fun(%s)\n", names[i], arguments);
+        const char *arguments = strcmp(names[i], "update") == 0   ? "dt: number"
+                                : strstr(names[i], "key")         ? "key: string"
+                                : strstr(names[i], "text")        ? "letter: string"
+                                : strcmp(names[i], "reload") == 0 ? "old: any"
+                                                                  : "";
+        printf("---@field %s? fun(%s)%s\n", names[i], arguments, strcmp(names[i], "keep") == 0 ? ": any" : "");
     }
     puts("daft = {}");
     put_tables();

@@ -17,7 +17,8 @@ static const api_area *const AREAS[] = {
 };
 /* clang-format on */
 
-static const char *const CALLBACKS[] = {"load", "update", "draw", "keypressed", "keyreleased", "textinput"};
+static const char *const CALLBACKS[] = {"load",        "update",    "draw", "keypressed",
+                                        "keyreleased", "textinput", "keep", "reload"};
 static const char *const TYPES[API_TYPES] = {"entity", "light", "material", "mesh",  "joint",  "character", "picture",
                                              "sound",  "voice", "font",     "image", "stream", "particles"};
 
@@ -186,11 +187,11 @@ static int refuse(lua_State *L)
         return 0;
     }
     const char *near = nearest_name(name, CALLBACKS, COUNT_OF(CALLBACKS));
-    return luaL_error(
-        L,
-        near ? "daft calls no function '%s': did you mean '%s'?"
-             : "daft calls no function '%s': it has load, update, draw, keypressed, keyreleased and textinput",
-        name, near);
+    return luaL_error(L,
+                      near ? "daft calls no function '%s': did you mean '%s'?"
+                           : "daft calls no function '%s': it has load, update, draw, keypressed, keyreleased, "
+                             "textinput, keep and reload",
+                      name, near);
 }
 
 /* Gives the table on top a metatable that knows its path. */

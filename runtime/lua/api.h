@@ -164,6 +164,10 @@ int api_step_tasks(lua_State *L);
 void api_set_wait(lua_State *L);
 /* Lets go of what nothing holds: see tables/material.c. */
 int api_collect(lua_State *L);
+/* Leaves in host.handed what daft.keep returns, or the global variables. */
+int api_hand_over(lua_State *L);
+/* Pushes that value. */
+void api_push_handed(lua_State *L, const char *text);
 /* __gc of materials and meshes. */
 int api_release_handle(lua_State *L);
 /* __gc of pictures. */

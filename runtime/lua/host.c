@@ -59,12 +59,22 @@ static void unreserve(host *state)
     state->reserved -= excess;
 }
 
+static void *move(const daft_allocator *memory, void *old, size_t old_size, size_t new_size)
+{
+    void *fresh = memory_take(memory, new_size);
+    if (fresh && old) {
+        memcpy(fresh, old, old_size < new_size ? old_size : new_size);
+        memory_release(memory, old);
+    }
+    return fresh;
+}
+
 static void *allocate(void *user, void *pointer, size_t old_size, size_t new_size)
 {
     host *state = user;
     size_t held = pointer ? old_size : 0; /* without a pointer, old_size is the kind of the new object */
     if (new_size == 0) {
-        free(pointer);
+        memory_release(state->def.memory, pointer);
         state->memory -= held;
         unreserve(state);
         return NULL;
@@ -74,7 +84,7 @@ static void *allocate(void *user, void *pointer, size_t old_size, size_t new_siz
         return NULL;
     }
     if (new_size > held && !reserve(state, state->memory - held + new_size)) return NULL;
-    void *grown = realloc(pointer, new_size);
+    void *grown = state->def.memory ? move(state->def.memory, pointer, held, new_size) : realloc(pointer, new_size);
     if (grown) state->memory += new_size - held;
     unreserve(state);
     return grown;
@@ -368,9 +378,11 @@ static int on_error(lua_State *L)
 typedef struct request {
     const char *callback; /* daft.NAME; NULL: function */
     lua_CFunction function;
-    const char *file; /* the game's, which run_file runs */
-    const char *key;  /* an argument, or NULL */
-    const double *dt; /* an argument, or NULL */
+    const char *file;   /* the game's, which run_file runs */
+    const char *key;    /* an argument, or NULL */
+    const double *dt;   /* an argument, or NULL */
+    const char *handed; /* an argument as text, or NULL */
+    bool *has;          /* only says whether there is this callback; or NULL */
 } request;
 
 static int run_file(lua_State *L, const char *file)
@@ -392,10 +404,12 @@ static int carry_out(lua_State *L)
     api_push(L);
     lua_pushstring(L, what->callback);
     lua_rawget(L, -2);
-    if (!lua_isfunction(L, -1)) return 0;
+    if (what->has) *what->has = lua_isfunction(L, -1);
+    if (!lua_isfunction(L, -1) || what->has) return 0;
+    if (what->handed) api_push_handed(L, what->handed);
     if (what->key) lua_pushstring(L, what->key);
     if (what->dt) lua_pushnumber(L, *what->dt);
-    lua_call(L, (what->key != NULL) + (what->dt != NULL), 0);
+    lua_call(L, (what->key != NULL) + (what->dt != NULL) + (what->handed != NULL), 0);
     return 0;
 }
 
@@ -437,9 +451,11 @@ static bool call(host *state, const char *shown, request what)
     lua_pushcfunction(L, carry_out);
     lua_pushlightuserdata(L, &what);
     host_set_running(state, L);
+    const uint64_t began = trace_begin(state->def.spans);
     watchdog_begin(state->dog, shown, 1);
     int status = lua_pcall(L, 1, 0, 1);
     watchdog_state ended = watchdog_end(state->dog);
+    trace_end(state->def.spans, shown, began);
     host_set_running(state, NULL);
     set_usual_hook(state, L);
     bool good = status == LUA_OK && ended == WATCHDOG_RUNNING;
@@ -498,6 +514,19 @@ bool host_typed(host *state, int code)
     char letter[5];
     utf8_put((uint32_t)code, letter);
     return call(state, "daft.textinput", (request){.callback = "textinput", .key = letter});
+}
+
+bool host_has(host *state, const char *callback)
+{
+    bool has = false;
+    return call(state, "daft", (request){.callback = callback, .has = &has}) && has;
+}
+
+bool host_hand_over(host *state) { return call(state, "daft.keep", (request){.function = api_hand_over}); }
+
+bool host_reload(host *state, const char *handed)
+{
+    return call(state, "daft.reload", (request){.callback = "reload", .handed = handed});
 }
 
 static bool drawing_stops(void *user) { return host_stopping(user); }
@@ -561,6 +590,8 @@ void host_close(host *state)
     state->dog = NULL;
     if (state->L) lua_close(state->L);
     state->L = NULL;
+    free(state->handed);
+    state->handed = NULL;
     mixer_free(&state->mixer);
     daft_image_destroy(state->window.icon);
     state->window.icon = NULL;

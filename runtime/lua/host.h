@@ -1,7 +1,7 @@
 /* host: one Lua 5.4 state that runs one game: its files, its callbacks, its errors.
  *
  * The game may set daft.load(), daft.update(dt), daft.draw(), daft.keypressed(key), daft.keyreleased(key) and
- * daft.textinput(letter).
+ * daft.textinput(letter), and for live reload daft.keep() and daft.reload(old).
  * It runs in a sandbox in which the same input gives the same game everywhere: no clock, no files, no addresses; random
  * numbers from a seed; pairs() in a fixed order; sin and its kin from libdaft and not from libm.
  *
@@ -14,6 +14,7 @@
 #include "hud/canvas.h"
 #include "files/home.h"
 #include "platform/actions.h"
+#include "common/trace.h"
 #include "lua/failure.h"
 #include "lua/watchdog.h"
 #include "sound/sound.h"
@@ -39,12 +40,14 @@ typedef struct host_def {
     const char *scripts;     /* the folder scripts/ */
     const char *name;        /* the game's, in messages */
     daft_engine *engine;
+    const daft_allocator *memory; /* for all that the scripts hold; NULL: malloc. Must stay */
     daft_scene *scene;
     input *keys;
     const key_map *map; /* the player's keys, to show them; or NULL */
     platform *keyboard; /* the player's; or NULL */
     font *face;
-    saves *saves; /* what the game keeps: files/saves.h */
+    saves *saves;  /* what the game keeps: files/saves.h */
+    tracer *spans; /* of calls into the scripts; or NULL */
     uint64_t seed;
     uint64_t instructions;    /* one call may run so many, about; 0: only time counts */
     double seconds;           /* one call may take; 0: WATCHDOG_SECONDS */
@@ -52,6 +55,9 @@ typedef struct host_def {
     /* What the script prints, piece by piece: on stdout too. May be NULL. */
     void (*printed)(void *user, const char *text, size_t size);
     void *user;
+    /* Takes each font that the scripts open, and closes it when they are long gone; NULL: it closes with its handle. */
+    void (*keep_font)(void *keeper, font *face);
+    void *keeper;
 } host_def;
 
 /* What the game wishes of its window (tables/window.c). */
@@ -76,6 +82,7 @@ typedef struct host {
     uint32_t streams;               /* of random numbers, made so far */
     canvas *picture;                /* while daft.draw runs */
     canvas_marks texts;             /* where its texts are */
+    bool quiet;                     /* print writes nothing: it has been written before */
     bool replaying;                 /* daft.input.set does nothing: the recording has what it did */
     bool quit, restart, grab, text; /* wishes of the script; text: to hear of letters that are typed */
     float rumble;                   /* 0 to 1, */
@@ -109,6 +116,7 @@ typedef struct host {
     mixer mixer;                   /* what sounds */
     uint32_t sounds, music;        /* made so far; the voice of the music */
     uint32_t fonts, images;        /* made so far */
+    char *handed;                  /* what the game hands over to new code, as daft.save writes it; or NULL */
     failure failure;               /* of the last call, if it failed */
     char inner[FAILURE_TRACE / 2]; /* the stack of the coroutine in which an error began that is on its way; or empty */
 } host;
@@ -136,6 +144,12 @@ void host_end_tick(host *state);
 bool host_key(host *state, int key, bool down);
 bool host_typed(host *state, int code);
 bool host_draw(host *state, const canvas *picture);
+/* Whether the game has this callback. */
+bool host_has(host *state, const char *callback);
+/* For new code that takes its place: leaves in `handed` what daft.keep returns; without that function, its global
+ * variables that are plain data. */
+bool host_hand_over(host *state);
+bool host_reload(host *state, const char *handed);
 /* Around drawing the scene: what daft.particles made is seen from this camera, `ahead` seconds of the game after the
  * last tick, and is not there for anybody else. */
 void host_show_particles(host *h, const daft_camera *camera, double ahead);

@@ -46,6 +46,7 @@ static void print_all(void)
     printf(
         "The functions of a DAFT game. It may define daft.load(), daft.update(dt), daft.draw(),\n"
         "daft.keypressed(key), daft.keyreleased(key) and daft.textinput(letter); dt is always 1/60 s.\n"
+        "For live reload: daft.keep() returns what daft.reload(old) of the new code is given.\n"
         "Metres, seconds, kilograms, radians; Y is up. Colours: \"#rgb\" or \"#rrggbb\" (sRGB), {r, g, b} (linear).\n");
     for (size_t area = 0; area < areas; area++) {
         printf("\n%s\n", all[area]->title);

@@ -93,16 +93,17 @@ static int print(lua_State *L)
 {
     const host *h = api_host(L);
     const int count = lua_gettop(L);
+    const bool quiet = h->quiet;
     for (int i = 1; i <= count; i++) {
         size_t length;
-        api_push_text(L, i);
+        api_push_text(L, i); /* which may number an object */
         const char *text = lua_tolstring(L, -1, &length);
-        if (i > 1) write_piece(h, "\t", 1);
-        write_piece(h, text, length);
+        if (i > 1 && !quiet) write_piece(h, "\t", 1);
+        if (!quiet) write_piece(h, text, length);
         lua_pop(L, 1);
     }
-    write_piece(h, "\n", 1);
-    fflush(stdout);
+    if (!quiet) write_piece(h, "\n", 1);
+    if (!quiet) fflush(stdout);
     return 0;
 }
 

@@ -138,12 +138,12 @@ static bool is_mono(const int16_t *frames, uint32_t count)
     return true;
 }
 
-static sound *copy_of(daft_engine *engine, const Mix_Chunk *chunk, daft_error *error)
+static sound *copy_of(daft_engine *engine, const daft_allocator *memory, const Mix_Chunk *chunk, daft_error *error)
 {
     const int16_t *frames = (const int16_t *)(const void *)chunk->abuf;
     const uint32_t count = chunk->alen / 4;
     const int channels = is_mono(frames, count) ? 1 : 2;
-    sound *s = sound_create(engine, channels, count, error);
+    sound *s = sound_create(engine, memory, channels, count, error);
     for (uint32_t i = 0; s && i < count; i++)
         for (int k = 0; k < channels; k++)
             s->samples[i * (uint32_t)channels + (uint32_t)k] = frames[(size_t)2 * i + (size_t)k];
@@ -156,7 +156,8 @@ static sound *refuse(daft_error *error, const char *name, const char *why)
     return NULL;
 }
 
-sound *audio_decode(daft_engine *engine, const void *bytes, size_t size, const char *name, daft_error *error)
+sound *audio_decode(daft_engine *engine, const daft_allocator *memory, const void *bytes, size_t size, const char *name,
+                    daft_error *error)
 {
     if (size > INT_MAX || !is_known(bytes, size)) return refuse(error, name, "this is no WAV, OGG, FLAC or MP3 file");
     if (!open_output(false, error)) return NULL;
@@ -169,7 +170,7 @@ sound *audio_decode(daft_engine *engine, const void *bytes, size_t size, const c
         return NULL;
     }
     Mix_Chunk *chunk = Mix_LoadWAV_RW(SDL_RWFromConstMem(bytes, (int)size), 1);
-    sound *s = chunk ? copy_of(engine, chunk, error) : refuse(error, name, "the sound is broken");
+    sound *s = chunk ? copy_of(engine, memory, chunk, error) : refuse(error, name, "the sound is broken");
     if (chunk) Mix_FreeChunk(chunk);
     daft_engine_unreserve(engine, room);
     return s;

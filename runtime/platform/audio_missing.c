@@ -19,9 +19,10 @@ void audio_close(void) {}
 
 bool audio_load_decoders(void) { return false; }
 
-sound *audio_decode(daft_engine *engine, const void *bytes, size_t size, const char *name, daft_error *error)
+sound *audio_decode(daft_engine *engine, const daft_allocator *memory, const void *bytes, size_t size, const char *name,
+                    daft_error *error)
 {
-    (void)engine, (void)bytes, (void)size, (void)name;
+    (void)engine, (void)memory, (void)bytes, (void)size, (void)name;
     missing(error);
     return NULL;
 }

@@ -5,6 +5,16 @@
 
 #include <stdio.h>
 
+/* A recording ends where daft.reload has put the game: no input leads from the start to there. */
+static void tell(session *s, bool handed, uint64_t now)
+{
+    daft_error error;
+    const bool ends = handed && s->record;
+    if (ends && !recorder_finish(s->record, &error)) report(&error);
+    snprintf(s->notice, sizeof s->notice, ends ? "Reloaded: the recording ends here" : "Reloaded");
+    s->notice_ns = now + (ends ? 4000000000u : 1500000000u);
+}
+
 /* What changed on the disk is what is played from here on. */
 bool session_take_changes(session *s, daft_error *error)
 {
@@ -14,13 +24,15 @@ bool session_take_changes(session *s, daft_error *error)
     if (!s->def->watches || !watch_changed(&s->files, now)) return true;
     game_state *fresh = s->play == s->games ? &s->games[1] : s->games;
     daft_error why;
-    switch (relive(s->play, fresh, &s->past, s->notice, &why)) {
+    const relive_end end = relive(s->play, fresh, &s->past, s->notice, &why);
+    switch (end) {
+    case RELIVE_HANDED:
     case RELIVE_DONE:
         s->play = fresh, s->reported = false;
-        snprintf(s->notice, sizeof s->notice, "Reloaded");
-        s->notice_ns = now + 1500000000u;
+        tell(s, end == RELIVE_HANDED, now);
         daft_history_destroy(s->history);
-        s->history = daft_history_create(s->def->engine, error);
+        s->history = daft_history_create(s->play->def.engine, error);
+        if (s->time.line) timeline_forget(s->time.line, s->play);
         s->play->def.history = s->history;
         break;
     case RELIVE_LONG:

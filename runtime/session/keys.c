@@ -93,7 +93,7 @@ static void take_pause(session *s, const input_event *event)
     s->redraws |= wish != PAUSE_STAY || s->pause.chosen != before.chosen || s->pause.controls != before.controls ||
                   s->pause.waits != before.waits;
     if (wish == PAUSE_LEAVE) s->left = true;
-    if (wish == PAUSE_RESTART) session_restart(s);
+    if (wish == PAUSE_RESTART) session_release_time(s), session_restart(s);
     if (wish == PAUSE_KEYS) save_keys(s);
     if (wish != PAUSE_SET) return;
     s->paced = true;
@@ -152,6 +152,7 @@ static void handle_session_key(session *s, const input_event *event)
     if (strcmp(name, "f3") == 0) s->xray = !s->xray;
     if (strcmp(name, "f4") == 0) tools_toggle_inspector(s);
     if (strcmp(name, "f12") == 0) s->wants_shot = true;
+    s->redraws = true;
     if (s->play->failed) handle_failure_key(s, input_key_name(input_letter(event)));
 }
 
@@ -172,7 +173,7 @@ static void take_input(session *s, const input_event *event)
         take_pause(s, event);
     } else if (is_pause(s, event)) {
         open_pause(s);
-    } else {
+    } else if (!session_take_time_key(s, event)) {
         if (event->kind == INPUT_KEY && event->down) handle_session_key(s, event);
         push_translated(s, event);
     }

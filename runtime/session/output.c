@@ -31,6 +31,7 @@ bool session_after_tick(session *s, daft_error *error)
 {
     uint64_t tick = s->play->ticks;
     if (!session_compare(s, error)) return false;
+    if (s->time.line) timeline_keep(s->time.line);
     if (s->def->hash && tick % HASH_TICKS == 0 && !print_hash(s, error)) return false;
     if (s->def->shot && s->def->shot_tick == tick) {
         s->shot_done = tick;
@@ -52,7 +53,7 @@ bool session_at_end(session *s, daft_error *error)
         return false;
     if (!s->def->stats) return true;
     if (s->times.count == 0 && !session_draw(s, 1, error)) return false;
-    s->times.memory = daft_engine_memory(s->def->engine);
+    s->times.memory = daft_engine_memory(s->play->def.engine);
     s->times.simulation = daft_scene_sim_counters(s->play->scene);
     return s->play->failed || stats_write(s->def->stats, daft_scene_counters(s->play->scene), &s->times, error);
 }

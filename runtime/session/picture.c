@@ -42,7 +42,7 @@ static void draw_overlay(session *s)
                                .dropped = s->clock.dropped,
                                .counters = daft_scene_counters(s->play->scene),
                                .simulation = daft_scene_sim_counters(s->play->scene),
-                               .memory = daft_engine_memory(s->def->engine)};
+                               .memory = daft_engine_memory(s->play->def.engine)};
     canvas over = canvas_over(s->picture);
     char quality[160];
     if (s->governs) {

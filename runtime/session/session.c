@@ -37,6 +37,7 @@ static void end_early(void *user)
     session *s = user;
     if (atomic_load(&s->leaving)) s->def->screen->hide(s->def->screen);
     if (!recorder_finish(s->record, &error)) report(&error);
+    if (!trace_finish(s->spans, &error)) report(&error);
 }
 
 /* ---- the loop ---- */
@@ -156,6 +157,10 @@ static bool turn(session *s, daft_error *error)
     platform *screen = s->def->screen;
     session_take_events(s);
     if (s->pause.open) return turn_paused(s, error);
+    if (session_holds_time(s)) {
+        grab_mouse(s, false);
+        return session_turn_held(s, error);
+    }
     if (s->wants_reload) {
         s->wants_reload = s->reported = false;
         s->granted.changes = 0;
@@ -177,14 +182,20 @@ static bool turn(session *s, daft_error *error)
     grant_window(s);
     rumble(s);
     if (!atomic_load(&s->leaving) && (s->def->every_frame || screen->wants_frame(screen))) {
-        if (!session_draw(s, loop_alpha(&s->clock), error) || !screen->present(screen, s->picture, error)) return false;
+        if (!session_draw(s, loop_alpha(&s->clock), error)) return false;
+        const uint64_t began = trace_begin(s->spans);
+        const bool good = screen->present(screen, s->picture, error);
+        trace_end(s->spans, "present", began);
+        if (!good) return false;
     }
     session_report(s);
     if (s->wants_shot) session_user_shot(s);
     s->wants_shot = false;
     if (s->def->progress && session_last_tick(s) != UINT64_MAX)
         progress_show(&s->bar, (double)s->play->ticks / (double)session_last_tick(s));
+    const uint64_t idle = trace_begin(s->spans);
     screen->end_frame(screen);
+    trace_end(s->spans, "wait", idle);
     return true;
 }
 
@@ -224,6 +235,7 @@ static bool run(session *s, daft_error *error)
 {
     if (!session_open_replay(s, error) || !open_saves(s, error)) return false;
     if (s->def->sound && !tape_begin(&s->sounds, s->def->sound, error)) return false;
+    if (s->def->trace && !(s->spans = trace_open(s->def->trace, TRACE_EVENTS, error))) return false;
     stop_set_act(end_early, s);
     const session_def *def = s->def;
     s->history = daft_history_create(def->engine, error);
@@ -237,6 +249,7 @@ static bool run(session *s, daft_error *error)
                      .seed = def->replay ? s->replay.seed : def->seed,
                      .replay = def->replay ? &s->replay : NULL,
                      .record = s->record,
+                     .spans = s->spans,
                      .trail = s->def->watches ? &s->past : NULL,
                      .history = s->history,
                      .saves = s->kept,
@@ -253,7 +266,11 @@ static bool run(session *s, daft_error *error)
     progress_begin(&s->bar, s->info->title);
     s->last_ns = def->screen->now_ns(def->screen), s->began_ns = clock_now_ns();
     bool good = true;
-    while (good && !is_over(s)) good = turn(s, error);
+    while (good && !is_over(s)) {
+        const uint64_t began = trace_begin(s->spans);
+        good = turn(s, error);
+        trace_end(s->spans, "frame", began);
+    }
     if (atomic_load(&s->leaving)) session_take_events(s);
     grab_mouse(s, false);
     progress_end(&s->bar);
@@ -269,6 +286,7 @@ static bool leave(session *s, daft_error *error)
     stop_set_act(NULL, NULL);
     bool good = recorder_finish(s->record, error);
     good = tape_commit(&s->sounds, good ? error : NULL) && good;
+    good = trace_finish(s->spans, good ? error : NULL) && good;
     if ((s->left || s->closed) && !s->def->stays) s->def->screen->hide(s->def->screen);
     return good;
 }
@@ -291,6 +309,7 @@ session_end session_play(const session_def *def, const game_info *info, daft_err
     bool failed = s.play->failed && (def->screen->headless || s.play->over);
     if (s.play->scene || s.play->scripts.L) game_close(s.play);
     daft_history_destroy(s.history);
+    session_close_time(&s);
     daft_engine_set_files(def->engine, NULL, NULL);
     source_close(&own);
     saves_close(s.kept);
@@ -305,6 +324,7 @@ session_end session_play(const session_def *def, const game_info *info, daft_err
     frame_times_free(&s.times);
     trail_free(&s.past);
     console_free(&s.console);
+    trace_free(s.spans);
     if (!good || failed) return SESSION_FAILED;
     return s.closed ? SESSION_CLOSED : s.left ? SESSION_LEFT : SESSION_DONE;
 }

@@ -1,8 +1,8 @@
-/* session: plays one game on a platform: the loop with its clock, what the program's own keys do (Esc, F1, F12; R, C
- * and E where a script has failed), the picture's size, recordings, hashes, pictures to files, and figures. The same
- * code runs with and without a window. Promises: Esc and the window's close button work at any time, also while a
- * callback does not come back; whatever ends the program early, the recording is saved up to the tick that had begun.
- * Public headers: session.h menu.h costs.h. */
+/* session: plays one game on a platform: the loop with its clock, what the program's own keys do (Esc, F1, F3, F5,
+ * F6, F12; R, C and E where a script has failed), the picture's size, recordings, hashes, pictures to files, and
+ * figures. The same code runs with and without a window. Promises: Esc and the window's close button work at any time,
+ * also while a callback does not come back; whatever ends the program early, the recording is saved up to the tick that
+ * had begun. Public headers: session.h menu.h costs.h. */
 #ifndef RUNTIME_SESSION_H
 #define RUNTIME_SESSION_H
 
@@ -37,6 +37,7 @@ typedef struct session_def {
     const char *shot;            /* file of a picture, or NULL */
     uint64_t shot_tick;          /* after so many ticks; 0: at the end */
     const char *stats;           /* file for times and counters as JSON, or NULL */
+    const char *trace;           /* file of what took how long (common/trace.h), or NULL */
     const char *sound;           /* WAV file of all that sounds, or NULL */
     bool speaks;                 /* through the loudspeaker */
     double seconds;              /* one call into the game may take; 0: WATCHDOG_SECONDS */

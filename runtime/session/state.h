@@ -16,6 +16,7 @@
 #include "game/pause.h"
 #include "game/relive.h"
 #include "hud/graph.h"
+#include "game/timeline.h"
 #include "sound/tape.h"
 
 #include <stdatomic.h>
@@ -28,6 +29,16 @@ typedef struct rung_survey {
     int wait; /* frames until it */
     double ms[GOVERNOR_RUNGS][SURVEY_ROUNDS], error[GOVERNOR_RUNGS][SURVEY_ROUNDS];
 } rung_survey;
+/* Time that the player holds (hold.c). */
+typedef struct time_hold {
+    timeline *line;       /* of the game that runs; NULL: nobody has asked for it yet */
+    timeline *catches_up; /* with the game, from its start on; NULL: none does */
+    uint64_t wanted;      /* the tick to go to, once it has */
+    int way;              /* -1: F5 is down; 1: F6 is; 0 */
+    uint64_t since_ns, moved_ns;
+    double owed; /* ticks to go, below 1 */
+    input hands; /* what the player holds meanwhile */
+} time_hold;
 
 typedef struct session {
     const session_def *def;
@@ -40,6 +51,7 @@ typedef struct session {
     bool reused;                /* parts of the picture were as before, so it says little about its quality */
     game_state games[2], *play; /* the one that runs, and room for what takes its place */
     trail past;
+    time_hold time;
     watch files;
     char notice[HOST_MESSAGE]; /* of a change of the files, over the picture; or empty */
     uint64_t notice_ns;        /* until when; 0: until it is right */
@@ -50,6 +62,7 @@ typedef struct session {
     inspector inspector;
     panels placed; /* of the picture at work */
     tape sounds;
+    tracer *spans;
     saves *kept, *own; /* the game's; the program's */
     player_settings settings;
     pause_menu pause;
@@ -109,6 +122,16 @@ void session_apply(session *s);
 void session_load_keys(session *s);
 /* The player's, unless this session was started with one and the player has set nothing since. */
 quality_wish session_quality(const session *s);
+
+/* ---- hold.c ---- */
+
+bool session_holds_time(const session *s);
+/* False: it is no key of this, or not while time runs. */
+bool session_take_time_key(session *s, const input_event *event);
+bool session_turn_held(session *s, daft_error *error);
+/* Time runs on from where it is. */
+void session_release_time(session *s);
+void session_close_time(session *s);
 
 /* ---- changes.c ---- */
 

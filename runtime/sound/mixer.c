@@ -14,7 +14,7 @@ static size_t bytes_of(int channels, uint64_t frames)
     return sizeof(sound) + sizeof(int16_t) * (size_t)channels * (size_t)frames;
 }
 
-sound *sound_create(daft_engine *engine, int channels, uint64_t frames, daft_error *error)
+sound *sound_create(daft_engine *engine, const daft_allocator *memory, int channels, uint64_t frames, daft_error *error)
 {
     if (frames < 1 || frames > (uint64_t)SOUND_SECONDS * SOUND_RATE) {
         fail(error, DAFT_ERROR_UNSUPPORTED, frames ? "the sound is longer than %d minutes" : "the sound is empty",
@@ -23,8 +23,10 @@ sound *sound_create(daft_engine *engine, int channels, uint64_t frames, daft_err
     }
     const size_t bytes = bytes_of(channels, frames);
     const bool fits = daft_engine_reserve(engine, bytes);
-    sound *s = fits ? calloc(1, bytes) : NULL;
+    sound *s = fits ? memory_take(memory, bytes) : NULL;
     if (s) {
+        memset(s, 0, bytes);
+        if (memory) s->memory = *memory;
         s->engine = engine, s->holders = 1, s->channels = channels, s->frames = (uint32_t)frames;
         return s;
     }
@@ -43,7 +45,8 @@ void sound_release(sound *self)
 {
     if (!self || --self->holders) return;
     daft_engine_unreserve(self->engine, bytes_of(self->channels, self->frames));
-    free(self);
+    const daft_allocator memory = self->memory;
+    memory_release(&memory, self);
 }
 
 /* ---- voices ---- */

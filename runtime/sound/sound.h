@@ -22,14 +22,17 @@ enum {
 /* Frames at SOUND_RATE, of one channel or left and right by turns. Counts towards the engine's memory limit. */
 typedef struct sound {
     daft_engine *engine;
+    daft_allocator memory; /* that it is from; all zero: malloc */
     uint32_t holders;
     int channels;
     uint32_t frames;
     int16_t samples[];
 } sound;
 
-/* Silent, held once. NULL: it has no frame or too many, or the engine's memory limit is reached. */
-sound *sound_create(daft_engine *engine, int channels, uint64_t frames, daft_error *error);
+/* Silent, held once. `memory` NULL: malloc. NULL: it has no frame or too many, or the engine's memory limit is reached.
+ */
+sound *sound_create(daft_engine *engine, const daft_allocator *memory, int channels, uint64_t frames,
+                    daft_error *error);
 sound *sound_hold(sound *self);
 void sound_release(sound *self); /* NULL is fine */
 

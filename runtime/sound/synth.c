@@ -163,7 +163,7 @@ static void fill(sound *s, const float *from, double volume)
     }
 }
 
-sound *synth_make(daft_engine *engine, const synth_def *def, daft_error *error)
+sound *synth_make(daft_engine *engine, const daft_allocator *memory, const synth_def *def, daft_error *error)
 {
     double notes[SYNTH_NOTES] = {def->pitch};
     const int count = def->notes ? read_notes(def->notes, notes, error) : 1;
@@ -173,7 +173,7 @@ sound *synth_make(daft_engine *engine, const synth_def *def, daft_error *error)
         fail(error, DAFT_ERROR_ARGUMENT, "%d notes of %g s are too much: %d s together", count, seconds, MOST_SECONDS);
         return NULL;
     }
-    sound *s = sound_create(engine, 1, (uint64_t)(def->notes ? beat * count : seconds * SOUND_RATE), error);
+    sound *s = sound_create(engine, memory, 1, (uint64_t)(def->notes ? beat * count : seconds * SOUND_RATE), error);
     float *sum = s ? calloc(s->frames, sizeof *sum) : NULL;
     if (s && !sum) {
         sound_release(s), s = NULL;

@@ -24,6 +24,6 @@ typedef struct synth_def {
 synth_def synth_default(void);
 /* Mono. NULL: a note that is none, or a sound that is too long, or notes of more than
  * two minutes together. Every field is within its range. */
-sound *synth_make(daft_engine *engine, const synth_def *def, daft_error *error);
+sound *synth_make(daft_engine *engine, const daft_allocator *memory, const synth_def *def, daft_error *error);
 
 #endif

@@ -20,7 +20,10 @@ typedef struct font_handle {
 int api_release_font(lua_State *L)
 {
     font_handle *f = lua_touserdata(L, 1);
-    font_close(f->face);
+    if (api_host(L)->def.keep_font)
+        font_uncount(f->face);
+    else
+        font_close(f->face);
     f->face = NULL;
     return 0;
 }
@@ -37,6 +40,7 @@ static int make_font(lua_State *L, host *h)
     if (host_find_file(h, name, path, sizeof path, &error))
         f->face = font_open(h->def.engine, h->def.files, path, name, &error);
     if (!f->face) api_engine_error(L, h, &error);
+    if (h->def.keep_font) h->def.keep_font(h->def.keeper, f->face);
     h->made += COUNTS_AS;
     return 1;
 }

@@ -281,7 +281,8 @@ static void forget(particle_system *s)
     h->particle_count -= s->capacity;
     if (daft_entity_is_valid(h->def.scene, s->entity)) daft_entity_destroy(h->def.scene, s->entity, NULL);
     if (s->mesh.id) daft_mesh_release(h->def.scene, s->mesh, NULL);
-    free(s->all), free(s->positions), free(s->normals), free(s->order), free(s->spare);
+    void *const arrays[] = {s->all, s->positions, s->normals, s->order, s->spare};
+    for (size_t i = 0; i < COUNT_OF(arrays); i++) memory_release(h->def.memory, arrays[i]);
     daft_engine_unreserve(h->def.engine, s->bytes);
     s->h = NULL;
 }
@@ -313,6 +314,14 @@ static void keep_alive(lua_State *L, int index, bool keep)
     lua_pop(L, 1);
 }
 
+/* `count` is at most what daft_engine_reserve has granted. */
+static void *take_zero(const host *h, uint64_t count, size_t size)
+{
+    void *memory = memory_take(h->def.memory, (size_t)count * size);
+    if (memory) memset(memory, 0, (size_t)count * size);
+    return memory;
+}
+
 /* False: memory is out. */
 static bool allocate(particle_system *s, uint32_t count, uint32_t corners)
 {
@@ -320,11 +329,11 @@ static bool allocate(particle_system *s, uint32_t count, uint32_t corners)
     const uint64_t bytes = count * (sizeof(particle) + 2 * sizeof(uint64_t)) + vertices * 2 * sizeof(daft_vec3);
     if (!daft_engine_reserve(s->h->def.engine, bytes)) return false;
     s->bytes = bytes;
-    s->all = calloc(count, sizeof *s->all);
-    s->positions = calloc(vertices, sizeof *s->positions);
-    s->normals = calloc(vertices, sizeof *s->normals);
-    s->order = calloc(count, sizeof *s->order);
-    s->spare = calloc(count, sizeof *s->spare);
+    s->all = take_zero(s->h, count, sizeof *s->all);
+    s->positions = take_zero(s->h, vertices, sizeof *s->positions);
+    s->normals = take_zero(s->h, vertices, sizeof *s->normals);
+    s->order = take_zero(s->h, count, sizeof *s->order);
+    s->spare = take_zero(s->h, count, sizeof *s->spare);
     s->capacity = count, s->corners = corners;
     s->h->particle_count += count;
     return s->all && s->positions && s->normals && s->order && s->spare;

@@ -20,6 +20,7 @@ typedef struct save_writer {
     host *h;
     char *text; /* a userdata, at TEXT on the stack */
     size_t size, capacity;
+    bool lenient; /* what cannot be written is nil, or left out where it is a key */
 } save_writer;
 
 enum { TEXT = 3 };
@@ -68,6 +69,10 @@ static void put_number(save_writer *w, int index)
         return;
     }
     const double value = lua_tonumber(w->L, index);
+    if (!isfinite(value) && w->lenient) {
+        put(w, "nil", 3);
+        return;
+    }
     if (!isfinite(value)) api_error(w->L, w->h, "a number that is not finite cannot be saved");
     size_t length = (size_t)snprintf(text, sizeof text, "%.17g", value);
     if (!strpbrk(text, ".e")) length += (size_t)snprintf(text + length, sizeof text - length, ".0");
@@ -110,6 +115,8 @@ static key *sorted_keys(save_writer *w, int table, size_t *count)
             k->text = lua_tolstring(L, -2, &k->length);
         else if (lua_isinteger(L, -2))
             k->number = lua_tointeger(L, -2);
+        else if (w->lenient)
+            --*count;
         else
             api_error(L, w->h, "a table's keys must be strings or whole numbers to be saved");
     }
@@ -121,6 +128,10 @@ static void put_table(save_writer *w, int table, int depth)
 {
     lua_State *L = w->L;
     size_t count;
+    if (depth == DEEPEST && w->lenient) {
+        put(w, "nil", 3);
+        return;
+    }
     if (depth == DEEPEST) api_error(L, w->h, "tables nest deeper than %d, or hold themselves", DEEPEST);
     luaL_checkstack(L, 8, "too many tables");
     const key *keys = sorted_keys(w, table, &count);
@@ -155,7 +166,9 @@ static void put_value(save_writer *w, int index, int depth)
     case LUA_TNUMBER: put_number(w, index); return;
     case LUA_TSTRING: text = lua_tolstring(w->L, index, &length), put_string(w, text, length); return;
     case LUA_TTABLE: put_table(w, index, depth); return;
-    default: api_error(w->L, w->h, "a %s cannot be saved", luaL_typename(w->L, index));
+    default:
+        if (!w->lenient) api_error(w->L, w->h, "a %s cannot be saved", luaL_typename(w->L, index));
+        put(w, "nil", 3);
     }
 }
 
@@ -260,6 +273,62 @@ static bool read_value(save_reader *r, int depth)
         return true;
     }
     return read_number(r);
+}
+
+/* ---- what live reload hands over ---- */
+
+/* Pushes a table of the global variables that are the game's: no libraries, no functions. */
+static void push_globals(lua_State *L)
+{
+    lua_newtable(L);
+    const int out = lua_gettop(L);
+    lua_pushglobaltable(L);
+    luaL_getsubtable(L, LUA_REGISTRYINDEX, LUA_LOADED_TABLE);
+    for (lua_pushnil(L); lua_next(L, out + 1); lua_pop(L, 1)) {
+        const bool named = lua_type(L, -2) == LUA_TSTRING,
+                   version = named && strcmp(lua_tostring(L, -2), "_VERSION") == 0;
+        if (!named || version || lua_isfunction(L, -1)) continue;
+        lua_pushvalue(L, -2);
+        lua_rawget(L, out + 2);
+        const bool library = lua_rawequal(L, -1, -2);
+        lua_pop(L, 1);
+        if (library) continue;
+        lua_pushvalue(L, -2);
+        lua_pushvalue(L, -2);
+        lua_rawset(L, out);
+    }
+    lua_settop(L, out);
+}
+
+int api_hand_over(lua_State *L)
+{
+    static const api_function KEEP = {"keep", "", "", NULL, 0};
+    host *h = api_host(L);
+    lua_settop(L, TEXT);
+    api_push(L);
+    lua_pushliteral(L, "keep");
+    lua_rawget(L, -2);
+    const bool own = lua_isfunction(L, -1);
+    if (own)
+        lua_call(L, 0, 1);
+    else
+        push_globals(L);
+    lua_replace(L, 2);
+    save_writer w = {.L = L, .h = h, .lenient = !own};
+    h->calling = &KEEP;
+    put_value(&w, 2, 0);
+    free(h->handed);
+    h->handed = malloc(w.size + 1);
+    if (!h->handed) return luaL_error(L, "not enough memory");
+    memcpy(h->handed, w.text, w.size);
+    h->handed[w.size] = 0;
+    return 0;
+}
+
+void api_push_handed(lua_State *L, const char *text)
+{
+    save_reader r = {.L = L, .begin = text, .at = text};
+    if (!read_value(&r, 0)) luaL_error(L, "what daft.keep handed over cannot be read");
 }
 
 /* ---- the functions ---- */

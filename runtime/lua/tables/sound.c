@@ -60,7 +60,7 @@ static int from_file(lua_State *L, host *h)
     sound_handle *s = push_sound(L, h);
     void *bytes =
         host_find_file(h, name, path, sizeof path, &error) ? daft_read_file(h->def.files, path, &size, &error) : NULL;
-    if (bytes) s->what = audio_decode(h->def.engine, bytes, size, name, &error);
+    if (bytes) s->what = audio_decode(h->def.engine, h->def.memory, bytes, size, name, &error);
     free(bytes);
     if (!s->what) api_engine_error(L, h, &error);
     return made(h, s->what);
@@ -89,7 +89,7 @@ static int from_numbers(lua_State *L, host *h)
     if (api_field(L, 1, "notes")) def.notes = api_text(L, h, -1, "notes"); /* the table holds it */
     daft_error error;
     sound_handle *s = push_sound(L, h);
-    s->what = synth_make(h->def.engine, &def, &error);
+    s->what = synth_make(h->def.engine, h->def.memory, &def, &error);
     if (!s->what) api_engine_error(L, h, &error);
     return made(h, s->what);
 }

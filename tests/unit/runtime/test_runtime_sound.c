@@ -52,7 +52,7 @@ static double chance(void)
 
 static sound *random_sound(uint32_t frames, int channels, double size)
 {
-    sound *s = sound_create(engine, channels, frames, &error);
+    sound *s = sound_create(engine, NULL, channels, frames, &error);
     assert_non_null(s);
     for (uint32_t i = 0; i < frames * (uint32_t)channels; i++)
         s->samples[i] = (int16_t)lrint((2 * chance() - 1) * size);
@@ -178,7 +178,7 @@ static void changes_do_not_click(void **unused)
     (void)unused;
     mixer m;
     int16_t out[2 * SOUND_TICK], before = 0;
-    sound *s = sound_create(engine, 1, 100 * SOUND_TICK, &error);
+    sound *s = sound_create(engine, NULL, 1, 100 * SOUND_TICK, &error);
     assert_non_null(s);
     for (uint32_t i = 0; i < s->frames; i++) s->samples[i] = 10000; /* a constant: each step is a change of loudness */
     mixer_init(&m);
@@ -206,7 +206,7 @@ static void what_is_too_loud_is_bent_and_not_wrapped(void **unused)
     (void)unused;
     mixer m;
     int16_t out[2 * SOUND_TICK];
-    sound *s = sound_create(engine, 1, SOUND_TICK, &error);
+    sound *s = sound_create(engine, NULL, 1, SOUND_TICK, &error);
     assert_non_null(s);
     for (uint32_t i = 0; i < s->frames; i++) s->samples[i] = (int16_t)(32767 * sin(i * 0.05));
     mixer_init(&m);
@@ -230,7 +230,7 @@ static int rising(const sound *s)
 
 static sound *synth(synth_def def)
 {
-    sound *s = synth_make(engine, &def, &error);
+    sound *s = synth_make(engine, NULL, &def, &error);
     if (!s) fail_msg("%s", error.message);
     return s;
 }
@@ -272,7 +272,7 @@ static void notes_are_those_of_the_scale(void **unused)
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         synth_def def = synth_default();
         def.notes = wrong[i];
-        assert_null(synth_make(engine, &def, &error));
+        assert_null(synth_make(engine, NULL, &def, &error));
         assert_non_null(strstr(error.message, "notes"));
     }
 }
@@ -293,7 +293,7 @@ static void tunes_fit_into_a_loop(void **unused)
     assert_in_range(quiet, 100, 3000);
     sound_release(s);
     def.notes = "c4 c4 c4 c4 c4 c4 c4 c4 c4 c4 c4 c4 c4", def.hold = 10;
-    assert_null(synth_make(engine, &def, &error));
+    assert_null(synth_make(engine, NULL, &def, &error));
     assert_non_null(strstr(error.message, "120 s"));
 }
 
@@ -389,7 +389,7 @@ static bool can_decode(void)
 {
     size_t size;
     void *bytes = read_tone("wav", &size);
-    sound *s = audio_decode(engine, bytes, size, "tone.wav", &error);
+    sound *s = audio_decode(engine, NULL, bytes, size, "tone.wav", &error);
     free(bytes);
     sound_release(s);
     if (!s) print_message("no sound files: %s\n", error.message);
@@ -403,7 +403,7 @@ static void files_of_all_kinds_have_the_same_tone(void **unused)
     for (size_t i = 0; i < 4; i++) {
         size_t size;
         void *bytes = read_tone(KINDS[i], &size);
-        sound *s = audio_decode(engine, bytes, size, KINDS[i], &error);
+        sound *s = audio_decode(engine, NULL, bytes, size, KINDS[i], &error);
         if (!s) fail_msg("%s", error.message);
         assert_int_equal(s->channels, 1);
         assert_in_range(s->frames, 11500, 14500); /* a quarter of a second; codecs add some silence */
@@ -426,14 +426,14 @@ static void broken_files_are_refused(void **unused)
         const int changes = (int)(chance() * 20);
         for (int i = 0; i < changes; i++) bytes[(size_t)(chance() * (double)size)] = (uint8_t)(chance() * 256);
         if (chance() < 0.5) size = (size_t)(chance() * (double)size);
-        sound *s = audio_decode(engine, bytes, size, "broken", &error);
+        sound *s = audio_decode(engine, NULL, bytes, size, "broken", &error);
         if (s) assert_in_range(s->frames, 1, (uint64_t)SOUND_SECONDS * SOUND_RATE);
         if (!s) assert_true(error.message[0]);
         sound_release(s);
         free(bytes);
     }
     static const char no_sound[64] = "print 'a script'";
-    assert_null(audio_decode(engine, no_sound, sizeof no_sound, "main.lua", &error));
+    assert_null(audio_decode(engine, NULL, no_sound, sizeof no_sound, "main.lua", &error));
     assert_string_equal(error.message, "this is no WAV, OGG, FLAC or MP3 file");
     assert_string_equal(error.file, "main.lua");
 }
@@ -447,14 +447,14 @@ static void a_small_file_cannot_ask_for_much_memory(void **unused)
     static uint8_t wav[44 + DATA] = "RIFF....WAVEfmt \x10\0\0\0\1\0\1\0\1\0\0\0\1\0\0\0\1\0\x8\0data";
     const uint32_t whole = 36 + DATA, data = DATA;
     memcpy(wav + 4, &whole, 4), memcpy(wav + 40, &data, 4);
-    assert_null(audio_decode(engine, wav, sizeof wav, "slow.wav", &error));
+    assert_null(audio_decode(engine, NULL, wav, sizeof wav, "slow.wav", &error));
     daft_engine_def def = daft_default_engine_def();
     def.threads = 1, def.memory_limit = 10000;
     daft_engine *small = daft_engine_create(&def, &error);
     assert_non_null(small);
     size_t size;
     void *bytes = read_tone("ogg", &size);
-    assert_null(audio_decode(small, bytes, size, "tone.ogg", &error));
+    assert_null(audio_decode(small, NULL, bytes, size, "tone.ogg", &error));
     assert_non_null(strstr(error.message, "out of memory"));
     free(bytes);
     daft_engine_destroy(small);
@@ -479,7 +479,7 @@ static void a_tape_is_a_sound_file(void **unused)
     assert_int_equal(size, 44 + 5000 * 4);
     assert_memory_equal(bytes + 44, s->samples, 5000 * 4);
     if (can_decode()) {
-        sound *back = audio_decode(engine, bytes, size, path, &error);
+        sound *back = audio_decode(engine, NULL, bytes, size, path, &error);
         assert_non_null(back);
         assert_int_equal(back->frames, 5000);
         assert_memory_equal(back->samples, s->samples, 5000 * 4);
