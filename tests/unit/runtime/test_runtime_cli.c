@@ -175,7 +175,7 @@ static void annotations_have_the_types_of_arguments_and_results(void **unused)
     assert_status(run_daft(output, "help annotations"), 0, output);
     static const char *const lines[] = {
         "---@param from daft.place\n---@param direction daft.vector\n---@param max_distance? number\n"
-        "---@param ignore? daft.entity\n---@param hit? table\n---@return daft.hit|nil\n"
+        "---@param ignore? daft.entity\n---@param hit? daft.hit|table\n---@return daft.hit|nil\n"
         "function daft.raycast(from, direction, max_distance, ignore, hit) end",
         "---@param options daft.entity.options\n---@return daft.entity\nfunction daft.entity(options) end",
         "---@field body? \"none\"|\"static\"|\"kinematic\"|\"dynamic\"",
