@@ -138,11 +138,12 @@ static const char *folder_of(const char *path, char out[PATH_SIZE])
 static bool seal(const player *p, const session_def *session)
 {
     const play_options *o = &p->options;
-    char folders[4][PATH_SIZE];
+    char folders[4][PATH_SIZE], libraries[PATH_SIZE + 8];
     daft_error error;
     if (strcmp(o->sandbox, "off") == 0) return true;
+    snprintf(libraries, sizeof libraries, "%s/../lib", p->where.scripts); /* of a game that is a program of its own */
     seal_def def = {.readable = {p->source.files ? p->game.folder : p->where.games, p->where.assets, p->where.scripts,
-                                 session->replay, session->costs, session->saves},
+                                 libraries, session->replay, session->costs, session->saves},
                     .writable = {folder_of(session->record, folders[0]), folder_of(session->shot, folders[1]),
                                  folder_of(session->stats, folders[2]), folder_of(session->sound, folders[3]),
                                  p->screen->headless ? NULL : ".", session->costs, session->saves},

@@ -4,9 +4,11 @@
 #include "lua/api.h"
 #include "common/stop.h"
 #include "common/util.h"
+#include "stub/format.h"
 
 #include <errno.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static int command_help(int argc, char **argv);
@@ -108,8 +110,21 @@ static int finish_output(int status)
     return status == STATUS_DONE ? STATUS_BAD_INPUT : status;
 }
 
+/* A game's own program finds its libraries by a variable, which is not for what it starts itself. */
+static void restore_library_path(void)
+{
+    const char *before = getenv(STUB_LIBRARY_PATH);
+    if (!before) return;
+    if (before[0])
+        setenv("LD_LIBRARY_PATH", before, 1);
+    else
+        unsetenv("LD_LIBRARY_PATH");
+    unsetenv(STUB_LIBRARY_PATH);
+}
+
 int run_program(int argc, char **argv)
 {
+    restore_library_path();
     stop_open();
     return finish_output(choose_command(argc, argv));
 }

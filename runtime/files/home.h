@@ -1,6 +1,7 @@
-/* files: the program's folders and games (home.h), a game's files (source.h), packed games (pack.h) and their hash
- * (sha256.h), what games keep (saves.h), whether their files change (watch.h), and the program's modules (module.h).
- * Public headers: content.h home.h module.h source.h pack.h sha256.h saves.h watch.h
+/* files: the program's folders and games (home.h), a game's files (source.h), packed games (pack.h, archive.h) and
+ * their hash (sha256.h), what games keep (saves.h), whether their files change (watch.h), and the program's modules
+ * (module.h) and libraries (libraries.h). Public headers: archive.h content.h home.h libraries.h module.h source.h
+ * pack.h sha256.h saves.h watch.h
  *
  * home: finds the program's own folders games/, assets/, scripts/ and templates/, and the games in games/.
  * Search order: $DAFT_HOME, ../share/daft beside the program, then each folder above the program. */

@@ -19,6 +19,8 @@ typedef struct module_def {
     bool global;         /* its libraries load more, which look for theirs in the process */
 } module_def;
 
+/* Where such a file is. False: nowhere. */
+bool module_find(const char *file, char *out, size_t size);
 /* The struct that the module exports. NULL: the message names what is missing. It stays loaded until the program ends:
  * opening it again costs nothing. Any thread. */
 const void *module_open(const module_def *def, daft_error *error);

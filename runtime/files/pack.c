@@ -19,6 +19,7 @@ typedef struct entry {
     uint64_t packed, size;
     uint32_t crc;
     int method;
+    bool runs;
 } entry;
 
 struct pack {
@@ -88,6 +89,12 @@ static bool is_plain(const uint8_t *central)
     return central[5] != UNIX || type == 0 || type == REGULAR || type == FOLDER;
 }
 
+static bool runs(const uint8_t *central)
+{
+    enum { UNIX = 3 };
+    return central[5] == UNIX && (get4(central + 38) >> 16 & 0100) != 0;
+}
+
 /* Where the file's bytes are: behind its local header, whose name must be the same. */
 static bool find_data(const pack *p, const uint8_t *central, entry *out, daft_error *error)
 {
@@ -125,6 +132,7 @@ static bool read_entry(pack *p, const uint8_t *central, daft_error *error)
     *e = (entry){.packed = get4(central + 20),
                  .size = get4(central + 24),
                  .crc = get4(central + 16),
+                 .runs = runs(central),
                  .method = (int)get2(central + 10)};
     e->name = malloc(length + 1);
     if (!e->name) return fail(error, DAFT_ERROR_MEMORY, "out of memory for a packed game");
@@ -253,4 +261,12 @@ void pack_list(void *user, const char *folder, daft_name_callback *found, void *
         name += length > 0 ? length + 1 : 0;
         if (!strchr(name, '/')) found(found_user, name);
     }
+}
+
+size_t pack_count(const pack *p) { return p->count; }
+
+pack_file pack_file_at(const pack *p, size_t index)
+{
+    const entry *e = &p->entries[index];
+    return (pack_file){.name = e->name, .size = e->size, .runs = e->runs};
 }

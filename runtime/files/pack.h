@@ -23,6 +23,15 @@ void pack_close(pack *p); /* NULL is fine */
 int64_t pack_read(void *user, const char *path, void *bytes, uint64_t capacity, daft_error *error);
 void pack_list(void *user, const char *folder, daft_name_callback *found, void *found_user);
 
+/* All files, sorted by name. */
+typedef struct pack_file {
+    const char *name; /* the pack's */
+    uint64_t size;
+    bool runs; /* by its mode, a program */
+} pack_file;
+size_t pack_count(const pack *p);
+pack_file pack_file_at(const pack *p, size_t index);
+
 /* Whether a file of this name may be in a pack. */
 bool pack_name_is_good(const char *name);
 uint32_t pack_crc(const void *bytes, size_t size);

@@ -37,6 +37,12 @@ static void feed(void *unused, Uint8 *to, int bytes)
     atomic_store_explicit(&output.taken, taken + some, memory_order_release);
 }
 
+bool audio_load_decoders(void)
+{
+    Mix_Init(MIX_INIT_OGG | MIX_INIT_FLAC | MIX_INIT_MP3); /* a format that is not there says so when it is decoded */
+    return true;
+}
+
 static bool open_output(bool speaks, daft_error *error)
 {
     if (output.open) return true;
@@ -47,7 +53,7 @@ static bool open_output(bool speaks, daft_error *error)
         good = false;
     }
     if (!good) return fail(error, DAFT_ERROR_UNSUPPORTED, "no sound: %s", SDL_GetError());
-    Mix_Init(MIX_INIT_OGG | MIX_INIT_FLAC | MIX_INIT_MP3); /* a format that is not there says so when it is decoded */
+    audio_load_decoders();
     Mix_AllocateChannels(0);
     output.open = true, output.speaks = speaks;
     return true;

@@ -13,6 +13,8 @@ void audio_volume(double volume);
 /* Lets go of the loudspeaker, and of what decoding needed. Fine where nothing was opened. */
 void audio_close(void);
 
+/* Loads what decoding needs, for who looks at which libraries that is. False: this program has no sound. */
+bool audio_load_decoders(void);
 /* WAV, OGG (Vorbis), FLAC and MP3, told apart by content; `name` is for messages. Works without a loudspeaker. */
 sound *audio_decode(daft_engine *engine, const void *bytes, size_t size, const char *name, daft_error *error);
 

@@ -17,6 +17,8 @@ void audio_volume(double volume) { (void)volume; }
 
 void audio_close(void) {}
 
+bool audio_load_decoders(void) { return false; }
+
 sound *audio_decode(daft_engine *engine, const void *bytes, size_t size, const char *name, daft_error *error)
 {
     (void)engine, (void)bytes, (void)size, (void)name;

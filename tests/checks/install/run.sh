@@ -45,3 +45,8 @@ if [ -e "$build/daft_film.so" ]; then # with whatever encoders this FFmpeg has: 
     "$prefix/moved/bin/daft" video "$prefix/moved/share/daft/assets/scenes/hello.scene" -o "$prefix/film.gif" \
         --to 0.2 --size 32x18 || fail "the installed program does not find its module for films"
 fi
+if find "$prefix/moved" -name daft_stub | grep -q . && [ -z "$extra" ]; then
+    "$prefix/moved/bin/daft" pack marble --standalone -o "$prefix/marble" >/dev/null || fail "the installed program packs no other"
+    mv "$prefix/moved" "$prefix/gone"
+    XDG_CACHE_HOME=$prefix "$prefix/marble" --headless --ticks 60 --hash | cmp - "$prefix/out" || fail "a game of its own plays otherwise"
+fi

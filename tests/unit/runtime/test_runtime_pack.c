@@ -1,7 +1,10 @@
 /* runtime/files/pack and `daft pack`: archives are the same to the bit, read back, and refused where they are hostile.
  */
 #include "files/pack.h"
+#include "cli/commands.h"
 #include "common/util.h"
+#include "files/archive.h"
+#include "files/libraries.h"
 
 #include "fixtures.h"
 
@@ -19,17 +22,17 @@ typedef struct part {
     const char *local; /* the name in its own header, where it is another */
 } part;
 
-static unsigned char archive[1 << 16];
+static unsigned char zip[1 << 16];
 static size_t used;
 
 static void number(uint64_t value, int bytes)
 {
-    for (int i = 0; i < bytes; i++) archive[used++] = (unsigned char)(value >> 8 * i);
+    for (int i = 0; i < bytes; i++) zip[used++] = (unsigned char)(value >> 8 * i);
 }
 
 static void text(const char *bytes)
 {
-    memcpy(archive + used, bytes, strlen(bytes));
+    memcpy(zip + used, bytes, strlen(bytes));
     used += strlen(bytes);
 }
 
@@ -63,7 +66,7 @@ static void build(const part *parts, size_t count)
 static pack *open_it(daft_error *error)
 {
     memset(error, 0, sizeof *error);
-    return pack_open(archive, used, "it.daft", error);
+    return pack_open(zip, used, "it.daft", error);
 }
 
 static void assert_refused(const part *parts, size_t count, const char *why)
@@ -135,9 +138,9 @@ static void no_damage_breaks_it(void **unused)
     (void)unused;
     static const part PARTS[] = {{.name = "main.lua", .text = "print(1)"}, {.name = "a/b", .text = "bb", .method = 8}};
     build(PARTS, 2);
-    static unsigned char whole[sizeof archive];
+    static unsigned char whole[sizeof zip];
     size_t size = used;
-    memcpy(whole, archive, size);
+    memcpy(whole, zip, size);
     for (size_t at = 0; at < 2 * size; at++)
         for (int value = 0; value < 256; value += at < size ? 5 : 256) {
             used = at < size ? size : at - size;
@@ -152,6 +155,119 @@ static void no_damage_breaks_it(void **unused)
             pack_close(p);
             free(copy);
         }
+}
+
+/* ---- writing ---- */
+
+typedef struct written {
+    unsigned char bytes[1 << 21];
+    size_t size;
+} written;
+
+static void take(void *user, const void *bytes, size_t size)
+{
+    written *to = user;
+    assert_true(to->size + size <= sizeof to->bytes);
+    memcpy(to->bytes + to->size, bytes, size);
+    to->size += size;
+}
+
+enum { FILES = 60, LARGEST = 1 << 15 };
+
+/* The i-th file: none, few or many bytes; noise, text, or one byte again and again. */
+static size_t make_file(size_t i, unsigned char bytes[LARGEST])
+{
+    uint32_t state = (uint32_t)i * 2654435761u + 1;
+    const size_t size = i % 5 == 0 ? i / 5 : (size_t)(state % LARGEST);
+    for (size_t k = 0; k < size; k++) {
+        state = state * 1664525u + 1013904223u;
+        bytes[k] = (unsigned char)(i % 3 == 0   ? state >> 24
+                                   : i % 3 == 1 ? (uint32_t) "the words"[state >> 29]
+                                                : (uint32_t)i);
+    }
+    return size;
+}
+
+static void write_files(written *to, bool deflate)
+{
+    static unsigned char bytes[LARGEST];
+    daft_error error;
+    to->size = 0;
+    take(to, "a program", 9);
+    const archive_def def = {.put = take, .user = to, .begin = 9, .deflate = deflate, .path = "it"};
+    archive *made = archive_open(&def, &error);
+    assert_non_null(made);
+    for (size_t i = FILES; i-- > 0;) { /* in another order than that of names */
+        char name[32];
+        snprintf(name, sizeof name, "folder%zu/file%02zu", i % 4, i);
+        const size_t size = make_file(i, bytes);
+        if (!archive_add(made, name, bytes, size, i % 2 ? 0755 : 0644, &error)) fail_msg("%s", error.message);
+    }
+    assert_false(archive_add(made, "../x", "x", 1, 0644, &error));
+    assert_int_equal(archive_count(made), FILES);
+    archive_put_directory(made);
+    archive_put_end(made, "a comment");
+    archive_close(made);
+}
+
+/* What is written behind other bytes is read back, stored or deflated, with its modes, and is the same each time. */
+static void archives_are_written_and_read(void **unused)
+{
+    (void)unused;
+    static written all[2], again;
+    static unsigned char wanted[LARGEST], got[LARGEST];
+    for (int deflate = 0; deflate < 2; deflate++) {
+        write_files(&all[deflate], deflate);
+        write_files(&again, deflate);
+        assert_int_equal(again.size, all[deflate].size);
+        assert_memory_equal(again.bytes, all[deflate].bytes, again.size);
+        daft_error error = {0};
+        pack *p = pack_open(all[deflate].bytes, all[deflate].size, "it", &error);
+        if (!p) fail_msg("%s", error.message);
+        assert_int_equal(pack_count(p), FILES);
+        for (size_t i = 0; i < FILES; i++) {
+            const pack_file file = pack_file_at(p, i);
+            const size_t number = (size_t)atoi(file.name + strlen("folder0/file")), size = make_file(number, wanted);
+            assert_true(i == 0 || strcmp(pack_file_at(p, i - 1).name, file.name) < 0);
+            assert_int_equal(file.size, size);
+            assert_int_equal(file.runs, number % 2);
+            assert_int_equal(pack_read(p, file.name, got, sizeof got, &error), size);
+            assert_memory_equal(got, wanted, size);
+        }
+        pack_close(p);
+    }
+    assert_true(all[1].size < all[0].size * 3 / 4 || all[1].size == all[0].size); /* a build without zlib */
+}
+
+static void a_desktop_has_these_libraries(void **unused)
+{
+    (void)unused;
+    static const char *const THERE[] = {
+        "libc.so.6",   "libm.so.6",        "ld-linux-x86-64.so.2", "ld-linux-aarch64.so.1",
+        "libX11.so.6", "libglib-2.0.so.0", "libasound.so.2",       "libwayland-client.so.0"};
+    static const char *const CARRIED[] = {"libSDL2-2.0.so.0", "libSDL2_mixer-2.0.so.0", "liblua5.4.so.0", "libXss.so.1",
+                                          "libcrypt.so.1",    "libjack.so.0",           "libm17n.so.0",   "libX"};
+    for (size_t i = 0; i < COUNT_OF(THERE); i++)
+        if (!libraries_desktop_has(THERE[i])) fail_msg("%s would be carried", THERE[i]);
+    for (size_t i = 0; i < COUNT_OF(CARRIED); i++)
+        if (libraries_desktop_has(CARRIED[i])) fail_msg("%s would be left out", CARRIED[i]);
+}
+
+/* What the stub sets for the program is not for what that starts: an editor, for one. */
+static void the_stubs_environment_is_put_back(void **unused)
+{
+    (void)unused;
+    char daft[] = "daft", version[] = "version", *arguments[] = {daft, version, NULL};
+    setenv("LD_LIBRARY_PATH", "/cache/lib:/mine", 1);
+    setenv("DAFT_LIBRARY_PATH", "/mine", 1);
+    assert_int_equal(run_program(2, arguments), STATUS_DONE);
+    assert_string_equal(getenv("LD_LIBRARY_PATH"), "/mine");
+    assert_null(getenv("DAFT_LIBRARY_PATH"));
+    setenv("LD_LIBRARY_PATH", "/cache/lib", 1);
+    setenv("DAFT_LIBRARY_PATH", "", 1);
+    assert_int_equal(run_program(2, arguments), STATUS_DONE);
+    assert_null(getenv("LD_LIBRARY_PATH"));
+    assert_null(getenv("DAFT_LIBRARY_PATH"));
 }
 
 /* ---- the programs ---- */
@@ -246,12 +362,11 @@ static int end(void **unused)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(sha256_is_the_standards),
-                                       cmocka_unit_test(a_good_archive_is_read),
-                                       cmocka_unit_test(hostile_archives_are_refused),
-                                       cmocka_unit_test(damaged_files_are_refused),
-                                       cmocka_unit_test(no_damage_breaks_it),
-                                       cmocka_unit_test(a_game_is_packed_and_played),
-                                       cmocka_unit_test(what_cannot_be_packed_is_refused)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(sha256_is_the_standards),       cmocka_unit_test(a_good_archive_is_read),
+        cmocka_unit_test(hostile_archives_are_refused),  cmocka_unit_test(damaged_files_are_refused),
+        cmocka_unit_test(no_damage_breaks_it),           cmocka_unit_test(archives_are_written_and_read),
+        cmocka_unit_test(a_desktop_has_these_libraries), cmocka_unit_test(the_stubs_environment_is_put_back),
+        cmocka_unit_test(a_game_is_packed_and_played),   cmocka_unit_test(what_cannot_be_packed_is_refused)};
     return cmocka_run_group_tests(tests, begin, end);
 }
