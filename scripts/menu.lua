@@ -68,7 +68,8 @@ local looks = {
     row = "#0c111ed8", chosen = "#4084ffeb", text = "#f5f7fa", dim = "#b0bcce", bar = "#ffffff40", filled = "#f5f7fa",
 }
 
-local fields = { title = true, rows = true, back = true, width = true, row_height = true, size = true, visible = true, looks = true, font = true }
+local fields = { title = true, rows = true, back = true, width = true, row_height = true, size = true, visible = true, looks = true, font = true,
+    align = true, margin = true, top = true, heard = true }
 
 function menu.new(def)
     for key in pairs(def) do
@@ -78,7 +79,9 @@ function menu.new(def)
     local self = setmetatable({
         title = def.title, rows = def.rows, back = def.back, width = def.width or 560, row_height = def.row_height or 58,
         size = def.size or 26, visible = def.visible or 8, font = def.font, chosen = 1, first = 1, held = 0, looks = {},
+        align = def.align or "center", margin = def.margin or 70, top = def.top, heard = def.heard,
     }, Menu)
+    menu.place(menu.screen(), 0, 0, self.align) -- says so where there is no such place
     for key, color in pairs(looks) do self.looks[key] = def.looks and def.looks[key] or color end
     if not self:can_choose(1) then self:move(1) end
     return self
@@ -130,17 +133,33 @@ local function step(row, by, round)
     end
 end
 
+-- What a row has, or says when it is asked.
+local function now(value)
+    if type(value) == "function" then return value() end
+    return value
+end
+
+function Menu:hear(what)
+    if self.heard then self.heard(what) end
+end
+
 function Menu:pick()
     local row = self.rows[self.chosen]
-    if kind(row) == "action" then row.action() else step(row, 1, true) end
+    if now(row.locked) then return end
+    if kind(row) ~= "action" then return step(row, 1, true) end
+    self:hear("pick")
+    row.action()
 end
 
 -- ---- where rows are ----
 
 function Menu:box()
     local height = math.min(#self.rows, self.visible) * self.row_height
-    local box = menu.place(menu.screen(), self.width, height)
+    local box = menu.place(menu.screen(), self.width, height, self.align)
+    if self.align == "left" then box.x = box.x + self.margin end
+    if self.align == "right" then box.x = box.x - self.margin end
     if self.title then box.y = box.y + 40 end
+    box.y = self.top or box.y
     return box
 end
 
@@ -203,14 +222,31 @@ function Menu:mouse()
     if wheel ~= 0 then self:move(wheel < 0 and 1 or -1) end
 end
 
+-- W, A, S and D do as the arrows do, but for a row that is typed into.
+function Menu:arrows(typed)
+    local function key(letter) return not typed and letter or nil end
+    if self:again("down", "pad down", "tab", key "s") then self:move(1) end
+    if self:again("up", "pad up", key "w") then self:move(-1) end
+    local row = self.rows[self.chosen]
+    if self:again("left", "pad left", key "a") then step(row, -1) end
+    if self:again("right", "pad right", key "d") then step(row, 1) end
+end
+
 function Menu:update()
+    local chosen, before = self.chosen, self.rows[self.chosen].value
+    self:act()
+    if self.chosen ~= chosen then
+        self:hear("move")
+    elseif self.rows[chosen].value ~= before then
+        self:hear("change")
+    end
+end
+
+function Menu:act()
     local typed = kind(self.rows[self.chosen]) == "text"
     daft.input.text(typed)
-    if self:again("down", "pad down", "tab") then self:move(1) end
-    if self:again("up", "pad up") then self:move(-1) end
+    self:arrows(typed)
     local row = self.rows[self.chosen]
-    if self:again("left", "pad left") then step(row, -1) end
-    if self:again("right", "pad right") then step(row, 1) end
     if typed and self:again("backspace") and row.text ~= "" then
         row.text = row.text:sub(1, utf8.offset(row.text, -1) - 1)
         if row.changed then row.changed(row.text) end
@@ -237,12 +273,12 @@ local function shown(row)
     if what == "switch" then return row.value and "on" or "off" end
     if what == "choices" then return tostring(row.choices[row.value]) end
     if what == "slider" then return row.format and row.format:format(row.value) or ("%g"):format(row.value) end
-    return what == "text" and row.text or ""
+    return what == "text" and row.text or tostring(now(row.note) or "")
 end
 
 function Menu:draw_row(i)
     local row, box, chosen = self.rows[i], self:row_box(i), i == self.chosen
-    local what, style = kind(row), { size = self.size, color = self.looks.text, shadow = false, font = self.font }
+    local what, style = kind(row), { size = self.size, color = now(row.locked) and self.looks.dim or self.looks.text, shadow = false, font = self.font }
     local y = box.y + (box.height - self.size * 1.2) / 2
     if what ~= "label" then daft.rect(box.x, box.y, box.width, box.height, chosen and self.looks.chosen or self.looks.row) end
     daft.text(row.label, box.x + 24, y, style)
@@ -260,7 +296,8 @@ end
 function Menu:draw()
     local box = self:box()
     if self.title then
-        daft.text(self.title, box.x + box.width / 2, box.y - 96, { size = 56, align = "center", font = self.font })
+        local x = box.x + (self.align == "left" and 0 or self.align == "right" and box.width or box.width / 2)
+        daft.text(self.title, x, box.y - self.row_height - 38, { size = 56, align = self.align, font = self.font })
     end
     for i = self.first, math.min(#self.rows, self.first + self.visible - 1) do self:draw_row(i) end
     if #self.rows <= self.visible then return end

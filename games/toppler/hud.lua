@@ -1,4 +1,6 @@
--- What is written over the picture.
+-- What is written over the picture. Keys are called what the player reads on them.
+
+local controls = require "controls"
 
 local hud = {}
 
@@ -8,7 +10,18 @@ local function centred(text, y, size, color)
     daft.text(text, daft.width() / 2, y, { size = size, color = color or "#ffffff", align = "center" })
 end
 
-function hud.stars(count) return ("★"):rep(count) .. ("☆"):rep(3 - count) end
+-- As text: a point for each that is missing.
+function hud.stars(count) return ("★"):rep(count) .. (" ·"):rep(3 - count) end
+
+-- Three in the middle, those that were won in gold.
+local function row_of_stars(count, y, size)
+    local all = ("★"):rep(3)
+    local style = { size = size, color = "#ffffff40", shadow = false }
+    local x = (daft.width() - daft.text_width(all, size)) / 2
+    daft.text(all, x, y, style)
+    style.color = "#ffd878"
+    daft.text(("★"):rep(count), x, y, style)
+end
 
 local function shots(game)
     local x = 42
@@ -46,8 +59,8 @@ local function banner(title, color, lines)
 end
 
 function hud.title(room, points, stars)
-    daft.text("Toppler", 66, 50, { size = 120, color = "#ffd878" })
     if not room then return end
+    daft.text("Toppler", 66, 50, { size = 120, color = "#ffd878" })
     daft.text(points > 0 and ("%d points · %d of 30 stars"):format(points, stars) or "Ten towers. Too many kings. One catapult.", 74, 674,
         { size = 24, color = "#ffffff" })
 end
@@ -61,13 +74,17 @@ function hud.game(game)
     elseif game.state == "aim" then
         pull(game.pull or game.last_pull)
         if game.number == 1 and game.shot == 1 then
-            centred("← → ↑ ↓ or the mouse aim · hold space or the button to pull, let go to throw", 628, 22)
+            local key = controls.label
+            centred(("%s %s %s %s or the mouse aim · hold %s or the button to pull, let go to throw"):format(key "left", key "right", key "up",
+                key "down", key "space"), 628, 22)
         end
     elseif game.state == "won" then
-        banner(game.kings_text, "#ffd878", { hud.stars(game.stars), ("%d points%s"):format(game.points, game.record and " · a new best!" or ""),
-            game.number < 10 and "Space goes on · R again · Backspace menu" or "That was the last tower. Space to the title" })
+        banner(game.kings_text, "#ffd878", { "", ("%d points%s"):format(game.points, game.record and " · a new best!" or ""),
+            game.number < 10 and ("%s goes on · %s again · %s menu"):format(controls.label "throw", controls.label "once more", controls.label "leave")
+                or ("That was the last tower. %s to the title"):format(controls.label "throw") })
+        row_of_stars(game.stars, 244, 44)
     elseif game.state == "lost" then
-        banner(game.lost_text, "#ff9a8a", { ("%d points"):format(game.points), "Space tries again · Backspace menu" })
+        banner(game.lost_text, "#ff9a8a", { ("%d points"):format(game.points), ("%s tries again · %s menu"):format(controls.label "throw", controls.label "leave") })
     end
     if game.note_left > 0 then centred(game.note, 96, 40, "#fff0c0") end
 end

@@ -19,7 +19,7 @@ local YAW, LOWEST, HIGHEST = math.rad(35), math.rad(-6), math.rad(78)
 local SLOW = 0.3                      -- how fast time goes at the last blow
 local SETTLED, LONGEST = 2.2, 8       -- seconds after a throw in which nothing is decided, and after which all is
 
-local game = { state = "title", note = "", note_left = 0 }
+game = { state = "title", note = "", note_left = 0 }
 local flow                            -- the task that plays a level
 local ball, thrown                    -- the shot on its way, and seconds since it left
 local view_time = 0
@@ -174,34 +174,27 @@ end
 local title
 
 local function choose_level()
-    local items = {}
+    local rows = {}
     for i, level in ipairs(levels) do
         local best = progress.best[i]
-        items[i] = { label = ("%d  %s"):format(i, progress.open(i) and level.name or "?"), locked = not progress.open(i),
-            act = function() play(i) end, value = function() return best and hud.stars(best.stars) .. (" %5d"):format(best.points) or "" end }
+        rows[i] = { label = ("%d  %s"):format(i, progress.open(i) and level.name or "?"), locked = not progress.open(i),
+            action = function() play(i) end, note = best and hud.stars(best.stars) .. (" %5d"):format(best.points) }
     end
-    menus.show("Levels", items, title)
+    menus.show("Levels", rows, title)
 end
 
-local function slider(label, name)
-    local s = progress.settings
-    return { label = label, level = function() return s[name] / 10 end, change = function(step)
-        s[name] = math.max(0, math.min(10, s[name] + step))
-        settings_changed()
-    end }
-end
-
-local function toggle(label, name)
-    local s = progress.settings
-    return { label = label, value = function() return s[name] and "on" or "off" end, change = function()
-        s[name] = not s[name]
+-- A row for a setting: a slider where it is a number, else a switch.
+local function setting(label, name)
+    local number = type(progress.settings[name]) == "number"
+    return { label = label, from = number and 0 or nil, to = number and 10 or nil, value = progress.settings[name], changed = function(value)
+        progress.settings[name] = value
         settings_changed()
     end }
 end
 
 local function settings()
-    menus.show("Settings", { slider("Music", "music"), slider("Effects", "effects"), toggle("Show the arc", "arc"),
-        toggle("Shake the camera", "shaking"), { label = "Back", act = title } }, title)
+    menus.show("Settings", { setting("Music", "music"), setting("Effects", "effects"), setting("Show the arc", "arc"),
+        setting("Shake the camera", "shaking"), { label = "Back", action = title } }, title)
 end
 
 local function next_level()
@@ -220,19 +213,20 @@ function title()
     end
     local number = next_level()
     menus.show("The kings sit too high", {
-        { label = number == 1 and "Play" or ("Go on with level %d"):format(number), act = function() play(number) end },
-        { label = "Levels", act = choose_level },
-        { label = "Settings", act = settings },
-        { label = "Watch the bot", act = function()
+        { label = number == 1 and "Play" or ("Go on with level %d"):format(number), action = function() play(number) end },
+        { label = "Levels", action = choose_level },
+        { label = "Settings", action = settings },
+        { label = "Watch the bot", action = function()
             bot.toggle()
             play(1)
         end },
-        { label = "Quit", act = daft.quit } })
+        { label = "Quit", action = daft.quit } })
 end
 
 -- ---- the game's callbacks ----
 
 function daft.load()
+    controls.load()
     progress.load(#levels)
     sounds.load()
     scenery.build()
@@ -243,11 +237,17 @@ function daft.load()
     title()
 end
 
+local MOST_DUST = 8               -- clouds of it in one tick
 local events = {}
 local function impacts()
+    local clouds = 0
     for _, event in ipairs(daft.events(events)) do
         if event.kind == "begin" and event.speed > 1 then
             sounds.hit(event)
+            if event.speed > 2.5 and clouds < MOST_DUST then
+                clouds = clouds + 1
+                effects.burst("dust", math.min(12, math.floor(2 * event.speed)), event.point)
+            end
             local a, b = event.a, event.b
             if (a == ball or b == ball) and event.speed > 3 then
                 if ball.data.kind == "bomb" then
@@ -258,7 +258,7 @@ local function impacts()
                     ball, game.ball = nil, nil
                     return
                 end
-                effects.burst(event.point, "#c8b898", math.min(14, math.floor(event.speed)), event.speed * 0.22)
+                effects.burst("chips", math.min(30, math.floor(2 * event.speed)), event.point)
                 if event.speed > 8 then cameras.jolt(event.speed * 0.012) end
             end
         end
@@ -267,7 +267,7 @@ end
 
 local function fell(who, lady)
     local x, y, z = who.body:position()
-    effects.burst({ x, y + 0.8, z }, lady and "#e86aa6" or "#ffd040", 16, 3.5)
+    effects.burst(lady and "pink" or "gold", 60, { x, y + 0.8, z })
     sounds.play(lady and "scream" or "yelp", { at = who.body, near = 20, far = 200 })
     say(lady and "Oh no, the lady!" or blocks.kings_left() > 0 and "One king down!" or "", 1.5)
     if lady then game.lady_fell = true end
@@ -311,6 +311,11 @@ function daft.update(dt)
         if game.state == "aim" or game.state == "watch" then count() end
     end
     blocks.update()
+    if ball and thrown and thrown < 3 then
+        local x, y, z = ball:position()
+        local vx, vy, vz = ball:velocity()
+        effects.trail(x, y, z, vx, vy, vz, ball.data.kind)
+    end
     effects.update(dt)
     sounds.update()
     look(dt)

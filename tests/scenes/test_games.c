@@ -109,6 +109,13 @@ static void toppler_stands_by_itself(void **state)
     free(text);
 }
 
+/* Its own tests, as its author runs them. */
+static void toppler_passes_its_tests(void **state)
+{
+    (void)state;
+    assert_int_equal(system("'" DAFT_PROGRAM "' test-game '" DAFT_ROOT "/games/toppler' >/dev/null"), 0);
+}
+
 static void toppler_takes_a_gamepad(void **state)
 {
     (void)state;
@@ -154,7 +161,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(marble_demo_wins_everywhere_alike),
                                        cmocka_unit_test(toppler_demo_wins_everywhere_alike),
-                                       cmocka_unit_test(toppler_can_be_won), cmocka_unit_test(toppler_stands_by_itself),
-                                       cmocka_unit_test(toppler_takes_a_gamepad)};
+                                       cmocka_unit_test(toppler_can_be_won),
+                                       cmocka_unit_test(toppler_stands_by_itself),
+                                       cmocka_unit_test(toppler_takes_a_gamepad),
+                                       cmocka_unit_test(toppler_passes_its_tests)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

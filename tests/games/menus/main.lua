@@ -14,6 +14,17 @@ function daft.load()
         { label = "Name", text = "Zoë", longest = 4, changed = changed "name" },
     } }
     assert(settings.chosen == 2, "labels cannot be chosen")
+    assert(not pcall(menu.new, { rows = { { label = "x" } }, align = "above" }))
+    local heard, picked = "", 0
+    local side = menu.new { title = "Side", align = "right", margin = 30, top = 200, width = 300, heard = function(what) heard = heard .. what end,
+        rows = { { label = "One", note = function() return "locked" end, locked = function() return picked == 0 end, action = function() picked = picked + 1 end } } }
+    side:pick()
+    assert(picked == 0 and heard == "", "a locked row is not picked")
+    picked = 1
+    side:pick()
+    assert(picked == 2 and heard == "pick")
+    local box = side:box()
+    assert(box.x == daft.width() - 330 and box.y == 200)
     assert(not pcall(menu.new, { rwos = {} }) and not pcall(menu.new, { rows = {} }))
     local halves = menu.columns(menu.box(0, 0, 210, 50), 2, 10)
     assert(halves[1].width == 100 and halves[2].x == 110 and halves[2].height == 50)
