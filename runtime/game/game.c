@@ -47,6 +47,7 @@ static bool start(game_state *state, daft_error *error)
                     .keyboard = state->def.keyboard,
                     .face = state->def.face,
                     .saves = state->def.saves,
+                    .profile = state->def.profile,
                     .seed = state->def.seed,
                     .seconds = state->def.seconds,
                     .asked = state->def.asked,

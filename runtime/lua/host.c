@@ -437,10 +437,12 @@ static bool call(host *state, const char *shown, request what)
     lua_pushcfunction(L, carry_out);
     lua_pushlightuserdata(L, &what);
     host_set_running(state, L);
+    profile_enter(state->def.profile, &state->running);
     watchdog_begin(state->dog, shown, 1);
     int status = lua_pcall(L, 1, 0, 1);
     watchdog_state ended = watchdog_end(state->dog);
     host_set_running(state, NULL);
+    profile_leave(state->def.profile);
     set_usual_hook(state, L);
     bool good = status == LUA_OK && ended == WATCHDOG_RUNNING;
     state->ended = ended;

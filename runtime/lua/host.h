@@ -15,6 +15,7 @@
 #include "files/home.h"
 #include "platform/actions.h"
 #include "lua/failure.h"
+#include "lua/profile.h"
 #include "lua/watchdog.h"
 #include "sound/sound.h"
 
@@ -44,7 +45,8 @@ typedef struct host_def {
     const key_map *map; /* the player's keys, to show them; or NULL */
     platform *keyboard; /* the player's; or NULL */
     font *face;
-    saves *saves; /* what the game keeps: files/saves.h */
+    saves *saves;     /* what the game keeps: files/saves.h */
+    profile *profile; /* notes which lines take the time; or NULL; must outlive the host */
     uint64_t seed;
     uint64_t instructions;    /* one call may run so many, about; 0: only time counts */
     double seconds;           /* one call may take; 0: WATCHDOG_SECONDS */

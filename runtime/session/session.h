@@ -37,6 +37,7 @@ typedef struct session_def {
     const char *shot;            /* file of a picture, or NULL */
     uint64_t shot_tick;          /* after so many ticks; 0: at the end */
     const char *stats;           /* file for times and counters as JSON, or NULL */
+    const char *profile;         /* file for a table of the lines of Lua that take the time, or NULL */
     const char *sound;           /* WAV file of all that sounds, or NULL */
     bool speaks;                 /* through the loudspeaker */
     double seconds;              /* one call into the game may take; 0: WATCHDOG_SECONDS */
