@@ -28,6 +28,11 @@ static void try_place(const panels *self, panel_box box, panel_box *best, float 
     if (cost < *least) *least = cost, *best = box;
 }
 
+void panels_take(panels *self, panel_box box)
+{
+    if (self->count < PANELS) self->taken[self->count++] = box;
+}
+
 /* All places of a row. */
 static void try_row(const panels *self, panel_box box, float right, panel_box *best, float *least)
 {
@@ -52,6 +57,6 @@ void panels_place(panels *self, canvas *over, float width, float height)
         const float y = self->taken[k].y + self->taken[k].height;
         if (y < low) try_row(self, (panel_box){0, y, width, height}, right, &best, &least);
     }
-    if (self->count < PANELS) self->taken[self->count++] = best;
+    panels_take(self, best);
     over->origin_x = best.x * over->unit, over->origin_y = best.y * over->unit;
 }

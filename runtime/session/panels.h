@@ -20,4 +20,7 @@ typedef struct panels {
 /* Moves the origin of `over` to the place for a panel of this size, where it covers least. */
 void panels_place(panels *self, canvas *over, float width, float height);
 
+/* A panel with a place of its own, from which others keep away. */
+void panels_take(panels *self, panel_box box);
+
 #endif
