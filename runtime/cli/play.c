@@ -46,7 +46,7 @@ typedef struct play_options {
     bool strict;
     const char *speed_text;
     double speed; /* 0: not said */
-    const char *sandbox, *record, *replay, *isa, *shot, *stats, *sound, *trace, *game;
+    const char *sandbox, *record, *replay, *isa, *shot, *stats, *profile, *sound, *trace, *game;
 } play_options;
 
 typedef struct player {
@@ -92,6 +92,7 @@ static session_def base_session(const player *p)
                          .shot = o->shot,
                          .shot_tick = (uint64_t)o->shot_tick,
                          .stats = o->stats,
+                         .profile = o->profile,
                          .sound = o->sound,
                          .trace = o->trace,
                          .speaks = p->speaks,
@@ -141,7 +142,7 @@ static const char *folder_of(const char *path, char out[PATH_SIZE])
 static bool seal(const player *p, const session_def *session)
 {
     const play_options *o = &p->options;
-    char folders[5][PATH_SIZE], libraries[PATH_SIZE + 8];
+    char folders[6][PATH_SIZE], libraries[PATH_SIZE + 8];
     daft_error error;
     if (strcmp(o->sandbox, "off") == 0) return true;
     snprintf(libraries, sizeof libraries, "%s/../lib", p->where.scripts); /* of a game that is a program of its own */
@@ -149,8 +150,8 @@ static bool seal(const player *p, const session_def *session)
                                  libraries, session->replay, session->costs, session->saves},
                     .writable = {folder_of(session->record, folders[0]), folder_of(session->shot, folders[1]),
                                  folder_of(session->stats, folders[2]), folder_of(session->sound, folders[3]),
-                                 folder_of(session->trace, folders[4]), p->screen->headless ? NULL : ".",
-                                 session->costs, session->saves},
+                                 folder_of(session->trace, folders[4]), folder_of(session->profile, folders[5]),
+                                 p->screen->headless ? NULL : ".", session->costs, session->saves},
                     .window = !p->screen->headless};
     if (seal_process(&def, &error)) return true;
     report(&error);
@@ -330,6 +331,8 @@ int command_play(int argc, char **argv)
         {"stats", 0, CLI_TEXT, "FILE", &o->stats, 0, 0, "write frame times and counters as JSON; - is stdout"},
         {"trace", 0, CLI_TEXT, "FILE", &o->trace, 0, 0,
          "write what took how long, for chrome://tracing or ui.perfetto.dev: FILE.json"},
+        {"profile", 0, CLI_TEXT, "FILE", &o->profile, 0, 0,
+         "write which lines of the scripts took the time, as a table; - is stdout"},
         {"every-frame", 0, CLI_FLAG, NULL, &o->every_frame, 0, 0, "draw every frame when headless too, for --stats"}};
     const char *operands[CLI_OPERANDS];
     size_t count;

@@ -51,6 +51,7 @@ static bool start(game_state *state, daft_error *error)
                     .face = state->def.face,
                     .saves = state->def.saves,
                     .spans = state->def.spans,
+                    .profile = state->def.profile,
                     .seed = state->def.seed,
                     .seconds = state->def.seconds,
                     .asked = state->def.asked,

@@ -39,6 +39,7 @@ typedef struct game_def {
     platform *keyboard;       /* the player's, for what is printed on its keys; or NULL; must outlive the game */
     saves *saves;             /* what the game keeps; must outlive it. NULL: as long as it runs */
     const governor *governor; /* chooses knobs of pictures; or NULL; must outlive the game */
+    profile *profile;         /* of the scripts' lines; or NULL; must outlive the game */
     double seconds;           /* one call into the game may take; 0: WATCHDOG_SECONDS */
     int (*asked)(void *user); /* whether the game is to stop: see watchdog_def. May be NULL */
     /* Each tick's sound, SOUND_TICK frames, left and right by turns; NULL: nobody listens, and nothing is mixed. */

@@ -200,7 +200,8 @@ static bool is_one_of(const char *key, const char *const *names)
 /* Some keys are the program's own. */
 static pause_wish take_new_key(pause_menu *self, int key)
 {
-    static const char *const OURS[] = {"f1", "f2", "f3", "f4", "f5", "f6", "f11", "f12", "pad start", "pad guide", NULL};
+    static const char *const OURS[] = {"f1",  "f2",  "f3",        "f4",        "f5", "f6",
+                                       "f11", "f12", "pad start", "pad guide", NULL};
     const char *name = input_key_name(key);
     if (strcmp(name, "escape") == 0) self->waits = -1;
     if (self->waits < 0 || self->waits_stick || is_one_of(name, OURS)) return PAUSE_STAY;

@@ -3,7 +3,7 @@
  * tables.
  *
  * A binding reads its arguments, calls libdaft, and only then may raise an error.
- * Public headers: api.h host.h statement.h watchdog.h fields.h failure.h trial.h */
+ * Public headers: api.h host.h statement.h profile.h watchdog.h fields.h failure.h trial.h */
 #ifndef RUNTIME_API_H
 #define RUNTIME_API_H
 

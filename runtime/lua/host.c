@@ -452,11 +452,13 @@ static bool call(host *state, const char *shown, request what)
     lua_pushlightuserdata(L, &what);
     host_set_running(state, L);
     const uint64_t began = trace_begin(state->def.spans);
+    profile_enter(state->def.profile, &state->running);
     watchdog_begin(state->dog, shown, 1);
     int status = lua_pcall(L, 1, 0, 1);
     watchdog_state ended = watchdog_end(state->dog);
     trace_end(state->def.spans, shown, began);
     host_set_running(state, NULL);
+    profile_leave(state->def.profile);
     set_usual_hook(state, L);
     bool good = status == LUA_OK && ended == WATCHDOG_RUNNING;
     state->ended = ended;

@@ -16,6 +16,7 @@
 #include "platform/actions.h"
 #include "common/trace.h"
 #include "lua/failure.h"
+#include "lua/profile.h"
 #include "lua/watchdog.h"
 #include "sound/sound.h"
 
@@ -46,8 +47,9 @@ typedef struct host_def {
     const key_map *map; /* the player's keys, to show them; or NULL */
     platform *keyboard; /* the player's; or NULL */
     font *face;
-    saves *saves;  /* what the game keeps: files/saves.h */
-    tracer *spans; /* of calls into the scripts; or NULL */
+    saves *saves;     /* what the game keeps: files/saves.h */
+    tracer *spans;    /* of calls into the scripts; or NULL */
+    profile *profile; /* notes which lines take the time; or NULL; must outlive the host */
     uint64_t seed;
     uint64_t instructions;    /* one call may run so many, about; 0: only time counts */
     double seconds;           /* one call may take; 0: WATCHDOG_SECONDS */

@@ -368,7 +368,7 @@ static inspector_wish press(inspector *self, const char *key)
 
 inspector_wish inspector_take(inspector *self, const input_event *event, uint64_t now_ns)
 {
-    const char *key = event->kind == INPUT_KEY ? input_key_name(event->key) : NULL;
+    const char *key = event->kind == INPUT_KEY ? input_key_name(input_letter(event)) : NULL;
     switch (event->kind) {
     case INPUT_MOVE: self->mouse_x = event->x, self->mouse_y = event->y; return INSPECTOR_KEEP;
     case INPUT_MOTION: return INSPECTOR_KEEP;
@@ -380,7 +380,7 @@ inspector_wish inspector_take(inspector *self, const input_event *event, uint64_
     }
     if (!key) return INSPECTOR_PASS;
     if (strstr(key, " ctrl") || strstr(key, " gui")) self->ctrl = event->down;
-    repeat_key(&self->held, event->key, event->down, now_ns);
+    repeat_key(&self->held, input_letter(event), event->down, now_ns);
     return event->down ? press(self, key) : INSPECTOR_PASS;
 }
 

@@ -2,6 +2,7 @@
 #include "session/state.h"
 
 #include "common/util.h"
+#include "session/hot.h"
 #include "session/tools.h"
 #include "platform/audio.h"
 
@@ -147,7 +148,7 @@ static void handle_session_key(session *s, const input_event *event)
 {
     const char *name = input_key_name(event->key);
     if (strcmp(name, "escape") == 0) s->left = true;
-    if (strcmp(name, "f1") == 0) s->overlay = !s->overlay;
+    if (strcmp(name, "f1") == 0) s->overlay = !s->overlay, hot_switch(s);
     if (strcmp(name, "f2") == 0) session_toggle_prices(s);
     if (strcmp(name, "f3") == 0) s->xray = !s->xray;
     if (strcmp(name, "f4") == 0) tools_toggle_inspector(s);

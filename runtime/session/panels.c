@@ -1,4 +1,4 @@
-/* Tries places along the upper and the lower edge. */
+/* Tries places along the upper and the lower edge, and below other panels. */
 #include "session/panels.h"
 
 #include <math.h>
@@ -28,22 +28,35 @@ static void try_place(const panels *self, panel_box box, panel_box *best, float 
     if (cost < *least) *least = cost, *best = box;
 }
 
+void panels_take(panels *self, panel_box box)
+{
+    if (self->count < PANELS) self->taken[self->count++] = box;
+}
+
+/* All places of a row. */
+static void try_row(const panels *self, panel_box box, float right, panel_box *best, float *least)
+{
+    for (int i = 0; i <= STEPS; i++) {
+        box.x = right * (float)i / STEPS;
+        try_place(self, box, best, least);
+        for (size_t k = 0; k < self->count && i == 0; k++) { /* beside another */
+            box.x = fminf(self->taken[k].x + self->taken[k].width, right);
+            try_place(self, box, best, least);
+        }
+    }
+}
+
 void panels_place(panels *self, canvas *over, float width, float height)
 {
     const float right = fmaxf(canvas_hud_width(over) - width, 0), low = CANVAS_HEIGHT - height;
     panel_box best = {0, 0, width, height};
     float least = INFINITY;
-    for (int row = 0; row < 2; row++) {
-        panel_box box = {0, row == 0 ? 0 : low, width, height};
-        for (int i = 0; i <= STEPS; i++) {
-            box.x = right * (float)i / STEPS;
-            try_place(self, box, &best, &least);
-            for (size_t k = 0; k < self->count && i == 0; k++) { /* beside another */
-                box.x = fminf(self->taken[k].x + self->taken[k].width, right);
-                try_place(self, box, &best, &least);
-            }
-        }
+    try_row(self, best, right, &best, &least);
+    try_row(self, (panel_box){0, low, width, height}, right, &best, &least);
+    for (size_t k = 0; k < self->count; k++) { /* below another */
+        const float y = self->taken[k].y + self->taken[k].height;
+        if (y < low) try_row(self, (panel_box){0, y, width, height}, right, &best, &least);
     }
-    if (self->count < PANELS) self->taken[self->count++] = best;
+    panels_take(self, best);
     over->origin_x = best.x * over->unit, over->origin_y = best.y * over->unit;
 }

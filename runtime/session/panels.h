@@ -17,7 +17,10 @@ typedef struct panels {
     size_t count;
 } panels;
 
-/* Moves the origin of `over` to the place for a panel of this size, as far up and then as far left as may be. */
+/* Moves the origin of `over` to the place for a panel of this size, where it covers least. */
 void panels_place(panels *self, canvas *over, float width, float height);
+
+/* A panel with a place of its own, from which others keep away. */
+void panels_take(panels *self, panel_box box);
 
 #endif

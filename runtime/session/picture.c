@@ -4,6 +4,7 @@
 #include "common/util.h"
 #include "game/xray.h"
 #include "hud/screens.h"
+#include "session/hot.h"
 #include "session/panels.h"
 #include "session/tools.h"
 
@@ -55,6 +56,7 @@ static void draw_overlay(session *s)
     panels_place(&s->placed, &over, GRAPH_WIDTH + 12, GRAPH_HEIGHT + 24);
     over.origin_y += 12 * over.unit;
     graph_draw(&over, s->def->face, &s->graph, s->governs ? s->pace.target_ms : 1000.0 / 60);
+    hot_draw(s);
 }
 
 double session_smooth(double before, double now) { return before > 0 ? before * 0.95 + now * 0.05 : now; }

@@ -144,6 +144,7 @@ void session_draw_prices(session *s)
     const canvas over = canvas_over(s->picture);
     const float height = TOP + LINE * (KNOBS + 5.5f), width = canvas_hud_width(&over);
     pen p = {&over, s->def->face, fmaxf(12, width - WIDTH - 12), CANVAS_HEIGHT - height - 12};
+    panels_take(&s->placed, (panel_box){p.x, p.y, WIDTH, height});
     canvas_rect(&over, p.x, p.y, WIDTH, height, BACK);
     p.y += TOP;
     put_effects(&p, daft_scene_counters(s->play->scene));

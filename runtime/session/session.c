@@ -4,6 +4,7 @@
 #include "common/stop.h"
 #include "common/util.h"
 #include "session/costs.h"
+#include "session/hot.h"
 #include "session/tools.h"
 #include "platform/audio.h"
 
@@ -255,12 +256,14 @@ static bool run(session *s, daft_error *error)
                      .saves = s->kept,
                      .map = &s->keys,
                      .keyboard = def->screen,
+                     .profile = &s->profile,
                      .seconds = def->seconds,
                      .asked = asked,
                      .printed = def->screen->headless ? NULL : tools_printed,
                      .answered = def->screen->headless ? NULL : tools_answered,
                      .heard = s->sounds.writer || s->def->speaks ? heard : NULL,
                      .user = s};
+    hot_switch(s);
     watch_begin(&s->files, s->def->watches && !s->info->packed ? s->info->folder : NULL);
     if (!game_open(s->play, &play, error)) return false;
     progress_begin(&s->bar, s->info->title);
@@ -275,7 +278,7 @@ static bool run(session *s, daft_error *error)
     grab_mouse(s, false);
     progress_end(&s->bar);
     session_report(s);
-    good = good && session_at_end(s, error);
+    good = good && session_at_end(s, error) && hot_write(s, error);
     session_report(s);
     return good;
 }
@@ -325,6 +328,7 @@ session_end session_play(const session_def *def, const game_info *info, daft_err
     trail_free(&s.past);
     console_free(&s.console);
     trace_free(s.spans);
+    profile_free(&s.profile);
     if (!good || failed) return SESSION_FAILED;
     return s.closed ? SESSION_CLOSED : s.left ? SESSION_LEFT : SESSION_DONE;
 }

@@ -38,6 +38,7 @@ typedef struct session_def {
     uint64_t shot_tick;          /* after so many ticks; 0: at the end */
     const char *stats;           /* file for times and counters as JSON, or NULL */
     const char *trace;           /* file of what took how long (common/trace.h), or NULL */
+    const char *profile;         /* file for a table of the lines of Lua that take the time, or NULL */
     const char *sound;           /* WAV file of all that sounds, or NULL */
     bool speaks;                 /* through the loudspeaker */
     double seconds;              /* one call into the game may take; 0: WATCHDOG_SECONDS */

@@ -83,6 +83,8 @@ typedef struct session {
     bool wants_reload, wants_shot, grabbed;
     frame_times times;
     frame_graph graph;                        /* for the overlay */
+    profile profile;                          /* hot.c */
+    uint64_t faded_ns;                        /* when it last was */
     double update_ms, frame_ms, turn_ms;      /* smoothed, for the overlay */
     uint64_t hashed, drawn, shot_done, turns; /* ticks */
     progress_bar bar;

@@ -124,7 +124,7 @@ static bool take_console(session *s, const input_event *event)
 {
     console *c = &s->console;
     const uint64_t now = s->def->screen->now_ns(s->def->screen);
-    if (event->kind == INPUT_KEY) fulfil(s, console_key(c, event->key, event->down, now));
+    if (event->kind == INPUT_KEY) fulfil(s, console_key(c, input_letter(event), event->down, now));
     if (event->kind == INPUT_TEXT) console_type(c, event->key);
     if (event->kind == INPUT_WHEEL) console_wheel(c, event->y);
     return true;
