@@ -342,7 +342,7 @@ static size_t read_arguments(const char *form, const char *function, argument ou
             /* More of the same; to a function, whatever it takes. */
             strcpy(a->name, "...");
             snprintf(a->type, TEXT, "%s",
-                     count && strcmp(out[count - 1].type, "function") ? out[count - 1].type : "any");
+                     count && strcmp(out[count - 1].type, "function") != 0 ? out[count - 1].type : "any");
             a->optional = false, count++;
         }
         if (opens_next) brackets++;
