@@ -54,8 +54,10 @@ static bool start(game_state *state, daft_error *error)
                     .profile = state->def.profile,
                     .seed = state->def.seed,
                     .seconds = state->def.seconds,
+                    .required = state->def.required,
                     .asked = state->def.asked,
                     .printed = state->def.printed,
+                    .quiet = state->def.quiet,
                     .user = state->def.user};
     bool good = host_open(&state->scripts, &def);
     state->scripts.replaying = game_is_replaying(state);
@@ -66,8 +68,8 @@ static bool start(game_state *state, daft_error *error)
 
 static void end(game_state *state)
 {
-    while (state->line_count > 0) free(state->lines[--state->line_count]);
     state->def.handed = NULL;
+    while (state->line_count > 0) free(state->lines[--state->line_count]);
     host_close(&state->scripts);
     daft_scene_destroy(state->scene);
     state->scene = NULL;
@@ -275,18 +277,25 @@ static bool show(game_state *state, float alpha, look_function *look, void *user
     watchdog_begin(state->scripts.dog, name, factor);
     atomic_store(&state->rendering, true);
     host_show_particles(&state->scripts, &view.camera, ((double)alpha - 1) * state->scripts.scale / LOOP_RATE);
-    const uint64_t began = trace_begin(state->def.spans);
     const bool good = look(user, state->scene, &view, error);
-    trace_picture(state->def.spans, state->scene, began);
     host_hide_particles(&state->scripts);
     atomic_store(&state->alive_ns, clock_now_ns());
     atomic_store(&state->rendering, false);
     return in_time(state, name) && good;
 }
 
+typedef struct drawn_to {
+    daft_image *picture;
+    tracer *spans;
+} drawn_to;
+
 static bool draw_to(void *user, daft_scene *scene, const daft_view *view, daft_error *error)
 {
-    return daft_render(scene, view, user, error);
+    const drawn_to *to = user;
+    const uint64_t began = trace_begin(to->spans);
+    const bool good = daft_render(scene, view, to->picture, error);
+    trace_picture(to->spans, scene, began);
+    return good;
 }
 
 bool game_draw(game_state *state, daft_image *picture, float alpha)
@@ -298,7 +307,7 @@ bool game_render(game_state *state, daft_image *picture, float alpha)
 {
     daft_error error;
     if (state->failed) return false;
-    if (show(state, alpha, draw_to, picture, &error)) return true;
+    if (show(state, alpha, draw_to, &(drawn_to){picture, state->def.spans}, &error)) return true;
     return state->failed ? false : stop_with(state, "drawing", &error);
 }
 

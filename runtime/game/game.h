@@ -41,11 +41,13 @@ typedef struct game_def {
     const governor *governor; /* chooses knobs of pictures; or NULL; must outlive the game */
     profile *profile;         /* of the scripts' lines; or NULL; must outlive the game */
     double seconds;           /* one call into the game may take; 0: WATCHDOG_SECONDS */
+    void (*required)(void *user, const char *name, const char *text, size_t size); /* as in host_def; or NULL */
     int (*asked)(void *user); /* whether the game is to stop: see watchdog_def. May be NULL */
     /* Each tick's sound, SOUND_TICK frames, left and right by turns; NULL: nobody listens, and nothing is mixed. */
     void (*heard)(void *user, const int16_t *frames);
     /* What the script prints, piece by piece; what a line of Lua came to that ran. May be NULL. */
     void (*printed)(void *user, const char *text, size_t size);
+    bool quiet; /* it prints nowhere: it has printed before */
     void (*answered)(void *user, const char *line, const char *answer, bool good);
     void *user;
 } game_def;

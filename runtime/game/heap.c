@@ -48,6 +48,7 @@ struct heap {
     daft_allocator allocator;
     page *free_pages;
     size_t held_pages;        /* in images */
+    size_t listed_pages;      /* the same, once for each image that has them */
     const heap_image *latest; /* the image that the range is most like, or NULL */
 };
 
@@ -133,7 +134,10 @@ heap *heap_open(uint64_t most, daft_error *error)
 
 const daft_allocator *heap_allocator(const heap *self) { return &self->allocator; }
 uint64_t heap_used(const heap *self) { return ((const range *)(const void *)self->base)->top; }
-uint64_t heap_image_bytes(const heap *self) { return (uint64_t)self->held_pages * sizeof(page); }
+uint64_t heap_image_bytes(const heap *self)
+{
+    return (uint64_t)self->held_pages * sizeof(page) + (uint64_t)self->listed_pages * sizeof(page *);
+}
 
 /* ---- images ---- */
 
@@ -179,10 +183,12 @@ heap_image *heap_keep(heap *self)
     heap_image *image = malloc(sizeof *image + count * sizeof image->pages[0]);
     if (!image) return NULL;
     for (image->count = 0; image->count < count; image->count++)
-        if (!(image->pages[image->count] = page_now(self, image->count))) {
-            heap_image_free(self, image);
-            return NULL;
-        }
+        if (!(image->pages[image->count] = page_now(self, image->count))) break;
+    self->listed_pages += image->count;
+    if (image->count < count) {
+        heap_image_free(self, image);
+        return NULL;
+    }
     self->latest = image;
     return image;
 }
@@ -202,6 +208,7 @@ void heap_image_free(heap *self, heap_image *image)
 {
     if (!image) return;
     for (size_t i = 0; i < image->count; i++) let_page_go(self, image->pages[i]);
+    self->listed_pages -= image->count;
     if (self->latest == image) self->latest = NULL;
     free(image);
 }

@@ -68,6 +68,13 @@ void trail_free(trail *self)
     *self = (trail){0};
 }
 
+static size_t first_line_at(const trail *self, uint64_t tick)
+{
+    size_t i = self->made.line_count;
+    while (i > 0 && self->made.lines[i - 1].tick >= tick) i--;
+    return i;
+}
+
 static size_t first_at(const trail *self, uint64_t tick)
 {
     size_t low = 0, high = self->made.count;
@@ -81,9 +88,17 @@ static size_t first_at(const trail *self, uint64_t tick)
     return low;
 }
 
-void trail_seek(trail *self, uint64_t tick) { self->made.next = first_at(self, tick); }
+void trail_seek(trail *self, uint64_t tick)
+{
+    self->made.next = first_at(self, tick), self->made.next_line = first_line_at(self, tick);
+}
 
-void trail_cut(trail *self, uint64_t tick) { self->made.count = first_at(self, tick); }
+void trail_cut(trail *self, uint64_t tick)
+{
+    self->made.count = first_at(self, tick);
+    for (const size_t lines = first_line_at(self, tick); self->made.line_count > lines;)
+        free(self->made.lines[--self->made.line_count].text);
+}
 
 /* What is saved on the way has been saved before. */
 saves *trail_saves(const trail *self, const char *game, daft_error *error)
@@ -118,7 +133,7 @@ static void take_over(game_state *old, game_state *fresh)
     memcpy(fresh->lines, old->lines, sizeof fresh->lines);
     fresh->line_count = old->line_count, old->line_count = 0;
     fresh->def = old->def;
-    fresh->scripts.def.saves = old->def.saves;
+    fresh->scripts.def.saves = old->def.saves, fresh->scripts.def.printed = old->def.printed;
     fresh->scripts.replaying = old->scripts.replaying;
 }
 

@@ -46,7 +46,8 @@ static void drop_moment(timeline *self, size_t i)
 /* Where there are too many bytes every other one of the older half goes, so that those far back lie farther apart. */
 static void thin_out(timeline *self)
 {
-    if (heap_image_bytes(self->memory) <= (uint64_t)TIMELINE_BYTES) return;
+    const uint64_t bytes = heap_image_bytes(self->memory) + self->count * sizeof(moment);
+    if (bytes <= (uint64_t)TIMELINE_BYTES) return;
     for (size_t i = self->count / 2; i-- > 1;)
         if (i % 2 == 1) drop_moment(self, i);
 }
@@ -78,6 +79,7 @@ static void keep_moment(timeline *self, const saves *kept, bool fine)
     moment *fresh = malloc(sizeof *fresh);
     if (!fresh) return;
     *fresh = (moment){.tick = tick, .fine = fine, .kept = saves_clone(kept, &error)};
+    if (before < self->count) heap_liken(self->memory, self->moments[before]->image);
     fresh->image = fresh->kept ? heap_keep(self->memory) : NULL;
     if (!fresh->image) {
         saves_close(fresh->kept);
@@ -85,6 +87,7 @@ static void keep_moment(timeline *self, const saves *kept, bool fine)
         return;
     }
     memcpy(&fresh->state, self->play, sizeof *self->play);
+    fresh->state.line_count = 0; /* those that wait are not of this tick */
     memmove(self->moments + at + 1, self->moments + at, (self->count++ - at) * sizeof(moment *));
     self->moments[at] = fresh;
     thin_out(self);
@@ -94,7 +97,6 @@ static void keep_moment(timeline *self, const saves *kept, bool fine)
 static void forget_later(timeline *self, uint64_t tick)
 {
     while (self->count > 0 && self->moments[self->count - 1]->tick > tick) drop_moment(self, self->count - 1);
-    heap_liken(self->memory, self->count ? self->moments[self->count - 1]->image : NULL);
 }
 
 static void forget_all(timeline *self)
@@ -118,8 +120,9 @@ static void hold_game(timeline *self)
     game_state *play = self->play;
     play->def = self->live;
     play->def.replay = &self->past->made, play->def.record = NULL, play->def.trail = NULL, play->def.heard = NULL;
+    play->def.answered = NULL;
     play->def.saves = self->kept;
-    play->scripts.def.saves = self->kept, play->scripts.replaying = play->scripts.quiet = true;
+    play->scripts.def.saves = self->kept, play->scripts.replaying = play->scripts.def.quiet = true;
     self->past->made.end = self->present;
     trail_seek(self->past, play->ticks);
     self->held = true;
@@ -155,8 +158,10 @@ timeline *timeline_open(const game_def *live, uint64_t present, game_state *fres
     *self = (timeline){.past = past, .first = past->first, .present = present};
     if (prepare(self, live, error)) {
         game_def again = self->live;
-        past->made.end = present, past->made.next = 0;
+        past->made.end = present;
+        trail_seek(past, past->first);
         again.replay = &past->made, again.record = NULL, again.trail = NULL, again.heard = NULL;
+        again.quiet = true, again.answered = NULL;
         again.saves = self->kept, again.handed = past->handed;
         if (game_open(fresh, &again, error)) self->play = fresh;
     }
@@ -258,6 +263,7 @@ static bool put_back(timeline *self, const moment *m, daft_error *error)
     saves_close(self->kept);
     self->kept = kept;
     const bool draws = self->live.history != NULL;
+    while (play->line_count > 0) free(play->lines[--play->line_count]);
     heap_put_back(self->memory, m->image);
     memcpy(play, &m->state, sizeof *play);
     play->keys.queued = 0;
@@ -289,6 +295,12 @@ bool timeline_go(timeline *self, uint64_t tick, daft_error *error)
     return !play->failed;
 }
 
+static void seek(recording *r, uint64_t tick)
+{
+    for (r->next = 0; r->next < r->count && r->items[r->next].tick < tick;) r->next++;
+    for (r->next_line = 0; r->next_line < r->line_count && r->lines[r->next_line].tick < tick;) r->next_line++;
+}
+
 bool timeline_release(timeline *self, daft_error *error)
 {
     game_state *play = self->play;
@@ -297,9 +309,8 @@ bool timeline_release(timeline *self, daft_error *error)
     if (!recorder_cut(self->live.record, play->ticks, game_hash(play), error)) return false;
     play->def = self->live;
     play->scripts.def.saves = self->live.saves;
-    play->scripts.replaying = game_is_replaying(play), play->scripts.quiet = false;
-    recording *r = play->def.replay;
-    for (size_t i = r ? r->next = 0 : 0; r && i < r->count && r->items[i].tick < play->ticks; i++) r->next = i + 1;
+    play->scripts.replaying = game_is_replaying(play), play->scripts.def.quiet = false;
+    if (play->def.replay) seek(play->def.replay, play->ticks);
     trail_cut(self->past, play->ticks);
     forget_later(self, play->ticks);
     self->held = false;

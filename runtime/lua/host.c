@@ -276,8 +276,9 @@ bool host_find_file(const host *state, const char *name, char *out, size_t size,
                          name, near_file(state, name, hint));
 }
 
-/* Compiles one of the game's files. Its name in messages is short: where the folder stands does not matter. */
-static int load_file(lua_State *L, const char *path, const char *shown)
+/* Compiles one of the game's files. Its name in messages is short: where the folder stands does not matter. `module`:
+ * it is this one of scripts/; NULL: it is none. */
+static int load_file(lua_State *L, const char *path, const char *shown, const char *module)
 {
     daft_error error;
     size_t size;
@@ -287,6 +288,8 @@ static int load_file(lua_State *L, const char *path, const char *shown)
         lua_pushstring(L, daft_error_text(&error, message, sizeof message));
         return LUA_ERRFILE;
     }
+    const host_def *def = &api_host(L)->def;
+    if (module && def->required) def->required(def->user, module, text, size);
     const char *begin = text;
     if (size >= 3 && memcmp(begin, "\xEF\xBB\xBF", 3) == 0) begin += 3;
     int status = luaL_loadbufferx(L, begin, size - (size_t)(begin - text), shown, "t");
@@ -308,7 +311,7 @@ static int find_module(lua_State *L, host *state, const char *name)
         size_t scripts = strlen(state->def.scripts);
         bool is_ours = strncmp(path, state->def.scripts, scripts) == 0 && path[scripts] == '/';
         snprintf(shown, sizeof shown, "@%s/%s", is_ours ? "scripts" : state->def.name, file);
-        return load_file(L, path, shown);
+        return load_file(L, path, shown, is_ours ? name : NULL);
     }
     return luaL_error(L, "require: there is no '%s' in the game's folder, nor in scripts/", file);
 }
@@ -391,7 +394,7 @@ static int run_file(lua_State *L, const char *file)
     char path[PATH_SIZE + 256], shown[400];
     snprintf(path, sizeof path, "%s/%s", state->def.folder, file);
     snprintf(shown, sizeof shown, "@%s/%s", state->def.name, file);
-    if (load_file(L, path, shown) != LUA_OK) return lua_error(L);
+    if (load_file(L, path, shown, NULL) != LUA_OK) return lua_error(L);
     lua_call(L, 0, 0);
     return 0;
 }

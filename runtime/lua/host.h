@@ -51,11 +51,14 @@ typedef struct host_def {
     tracer *spans;    /* of calls into the scripts; or NULL */
     profile *profile; /* notes which lines take the time; or NULL; must outlive the host */
     uint64_t seed;
-    uint64_t instructions;    /* one call may run so many, about; 0: only time counts */
-    double seconds;           /* one call may take; 0: WATCHDOG_SECONDS */
+    uint64_t instructions; /* one call may run so many, about; 0: only time counts */
+    double seconds;        /* one call may take; 0: WATCHDOG_SECONDS */
+    /* Of each module of scripts/ as it is required; or NULL. */
+    void (*required)(void *user, const char *name, const char *text, size_t size);
     int (*asked)(void *user); /* whether the game is to stop: see watchdog_def. May be NULL */
     /* What the script prints, piece by piece: on stdout too. May be NULL. */
     void (*printed)(void *user, const char *text, size_t size);
+    bool quiet; /* what it prints goes nowhere: it has been printed before */
     void *user;
     /* Takes each font that the scripts open, and closes it when they are long gone; NULL: it closes with its handle. */
     void (*keep_font)(void *keeper, font *face);
@@ -84,7 +87,6 @@ typedef struct host {
     uint32_t streams;               /* of random numbers, made so far */
     canvas *picture;                /* while daft.draw runs */
     canvas_marks texts;             /* where its texts are */
-    bool quiet;                     /* print writes nothing: it has been written before */
     bool replaying;                 /* daft.input.set does nothing: the recording has what it did */
     bool quit, restart, grab, text; /* wishes of the script; text: to hear of letters that are typed */
     float rumble;                   /* 0 to 1, */

@@ -93,7 +93,7 @@ static int print(lua_State *L)
 {
     const host *h = api_host(L);
     const int count = lua_gettop(L);
-    const bool quiet = h->quiet;
+    const bool quiet = h->def.quiet;
     for (int i = 1; i <= count; i++) {
         size_t length;
         api_push_text(L, i); /* which may number an object */

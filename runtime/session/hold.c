@@ -4,6 +4,7 @@
 
 #include "common/util.h"
 #include "hud/screens.h"
+#include "session/tools.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -74,7 +75,10 @@ static void stop_catching_up(session *s)
 
 void session_release_time(session *s)
 {
-    if (s->time.catches_up) stop_catching_up(s);
+    if (s->time.catches_up) {
+        stop_catching_up(s);
+        tell_hands(s);
+    }
     if (s->time.line && s->time.line->held) release_line(s);
     s->time.way = 0;
 }
@@ -170,10 +174,7 @@ bool session_take_time_key(session *s, const input_event *event)
         session_release_time(s);
         return true;
     }
-    input_event mine = *event;
-    if (event->kind == INPUT_KEY) mine.key = s->keys.to[event->key];
-    if (event->kind != INPUT_TEXT && mine.key != KEY_MAP_NONE) input_apply(&s->time.hands, &mine);
-    return false; /* the program's own keys; what the game is told of it is forgotten */
+    return false;
 }
 
 /* ---- a turn ---- */
@@ -231,7 +232,7 @@ static bool present(session *s, daft_error *error)
     s->redraws |= !s->picture || width != daft_image_width(s->picture) || height != daft_image_height(s->picture);
     if (s->redraws && screen->wants_frame(screen)) {
         if (!session_draw(s, 1, error)) return false;
-        if (session_holds_time(s) && !(s->notice[0] && s->notice_ns)) draw_line(s);
+        if (session_holds_time(s) && !s->play->failed && !(s->notice[0] && s->notice_ns)) draw_line(s);
         s->redraws = false, s->drawn_ms = 0;
     }
     return !screen->wants_frame(screen) || screen->present(screen, s->picture, error);
@@ -241,9 +242,11 @@ bool session_turn_held(session *s, daft_error *error)
 {
     platform *screen = s->def->screen;
     s->last_ns = screen->now_ns(screen); /* no time passes */
+    graph_end_frame(&s->graph, 0);
     if (s->notice[0] && s->notice_ns && s->last_ns > s->notice_ns) {
         s->notice[0] = 0, s->notice_ns = 0, s->redraws = true;
     }
+    s->redraws |= tools_want_mouse(s); /* the console and the inspector change by themselves */
     if (s->wants_reload) {
         session_release_time(s);
         return true; /* the next turn does it */

@@ -72,6 +72,8 @@ static void save_keys(session *s)
 static void let_go(session *s)
 {
     s->held = (held_inputs){.stick = {0}};
+    memset(s->time.hands.down, 0, sizeof s->time.hands.down);
+    memset(s->time.hands.stick, 0, sizeof s->time.hands.stick);
     input_push_release_all(&s->play->keys);
 }
 
@@ -153,8 +155,8 @@ static void handle_session_key(session *s, const input_event *event)
     if (strcmp(name, "f3") == 0) s->xray = !s->xray;
     if (strcmp(name, "f4") == 0) tools_toggle_inspector(s);
     if (strcmp(name, "f12") == 0) s->wants_shot = true;
-    s->redraws = true;
     if (s->play->failed) handle_failure_key(s, input_key_name(input_letter(event)));
+    s->redraws = true;
 }
 
 /* ---- events ---- */
@@ -165,7 +167,9 @@ static void push_translated(session *s, const input_event *event)
     if (event->kind == INPUT_TEXT && !s->play->scripts.text) return;
     input_event asked[KEY_MAP_EVENTS];
     const int count = key_map_translate(&s->keys, &s->held, event, asked);
-    for (int i = 0; i < count; i++) input_push(&s->play->keys, &asked[i]);
+    const bool held = session_holds_time(s);
+    for (int i = 0; i < count && held; i++) input_apply(&s->time.hands, &asked[i]);
+    for (int i = 0; i < count && !held; i++) input_push(&s->play->keys, &asked[i]);
 }
 
 static void take_input(session *s, const input_event *event)

@@ -87,13 +87,10 @@ static void draw_failure(session *s)
 {
     const failure *why = &s->play->scripts.failure;
     canvas over = canvas_over(s->picture);
-    error_report shown = {s->info->title,
-                          why->message,
-                          why->source,
-                          why->trace,
-                          why->values,
-                          session_can_edit(s) ? "R  try again      C  copy      E  edit      Esc  leave"
-                                              : "R  try again      C  copy      Esc  leave"};
+    char keys[100];
+    snprintf(keys, sizeof keys, "R  try again      C  copy%s%s      Esc  leave",
+             session_can_edit(s) ? "      E  edit" : "", s->def->watches ? "      F5  the tick before" : "");
+    error_report shown = {s->info->title, why->message, why->source, why->trace, why->values, keys};
     if (s->notice[0] && s->notice_ns) shown.keys = s->notice;
     screen_error(&over, s->def->face, &shown);
 }

@@ -194,6 +194,7 @@ static void play_tick(uint64_t salt)
     if ((s.play->ticks * 7 + salt) % 31 == 0) press("left", (s.play->ticks + salt) % 2 == 0);
     if ((s.play->ticks + salt) % 17 == 0) press("right", true);
     if ((s.play->ticks + salt) % 17 == 5) press("right", false);
+    if ((s.play->ticks + salt) % 45 == 11) assert_true(game_run_line(s.play, "daft.random()")); /* in a console */
     game_tick(s.play);
     if (s.play->failed) fail_msg("%s", s.play->scripts.failure.message);
 }
