@@ -300,6 +300,23 @@ static bool read_saved(reader *in, recording *out)
     return true;
 }
 
+static bool read_script(reader *in, recording *out)
+{
+    recording_script script = {0};
+    const size_t length = strcspn(in->at, " \t");
+    if (length == 0 || length >= sizeof script.name) return bad(in, "the name of a script expected", NULL);
+    memcpy(script.name, in->at, length);
+    in->at += length;
+    skip_blanks(in);
+    if (!read_sha256(in, script.content)) return false;
+    if (out->script_count == RECORDING_SCRIPTS) return bad(in, "a game requires less", NULL);
+    recording_script *grown = realloc(out->scripts, (out->script_count + 1) * sizeof *grown);
+    if (!grown) return fail(in->error, DAFT_ERROR_MEMORY, "out of memory for a recording");
+    out->scripts = grown;
+    out->scripts[out->script_count++] = script;
+    return true;
+}
+
 static bool read_line(reader *in, recording *out, size_t *capacity, bool *ended)
 {
     if (*ended) return bad(in, "text after the 'end' line", NULL);
@@ -310,6 +327,7 @@ static bool read_line(reader *in, recording *out, size_t *capacity, bool *ended)
         return true;
     }
     if (take_word(in, "saved")) return read_saved(in, out);
+    if (take_word(in, "script")) return read_script(in, out);
     if (take_word(in, "pack")) return read_sha256(in, out->pack);
     if (take_word(in, "content")) return read_sha256(in, out->content);
     if (take_word(in, "limits")) return read_limits(in, out);
@@ -394,6 +412,7 @@ void recording_free(recording *record)
     free(record->lines);
     free(record->saved);
     free(record->items);
+    free(record->scripts);
     free(record->states);
     free(record->marks);
     *record = (recording){0};
@@ -663,6 +682,14 @@ bool recorder_cut(recorder *writer, uint64_t ticks, uint64_t hash, daft_error *e
     }
     pthread_mutex_unlock(&writer->lock);
     return good || fail_at(error, writer->path, 0, 0, "the recording cannot be cut after tick %" PRIu64, ticks);
+}
+
+void recorder_script(recorder *writer, const recording_script *script)
+{
+    if (!writer) return;
+    pthread_mutex_lock(&writer->lock);
+    if (writer->file) fprintf(writer->file, "script %s %s\n", script->name, script->content);
+    pthread_mutex_unlock(&writer->lock);
 }
 
 void recorder_saved(recorder *writer, const char *name, const char *text)

@@ -1,13 +1,14 @@
 /* recording: the input of a game, tick by tick, as a text file that replays it.
  *
  *     daft-recording 6          the format's version (1 had no 'tick' lines, 2 no 'saved' ones, 3 no 'text', 'width', 4
- *                               none of 'content', 'limits', 'state', 'entities', 5 no 'lua')
+ *                               none of 'content', 'limits', 'state', 'entities', 5 no 'script', 'lua')
  *     game marble
  *     rate 60                   ticks a second
  *     seed 1                    seed of the random numbers
  *     pack 9f86d0…              of a packed game: its SHA-256, 64 hexadecimal digits
  *     content 60303a…           SHA-256 of the game's own files (files/content.h)
  *     limits 1000000000 5       bytes that the game may hold; seconds that one call may take
+ *     script tween 1c7b4a…      SHA-256 of a module of scripts/ as it was when the game required it
  *     saved scores {[1]=9}      what daft.load_saved("scores") gave first; nothing behind the name: nothing was there
  *     12 +right                 at the start of tick 12 (counted from 0) the key goes down
  *     40 -right                 … and up
@@ -44,12 +45,17 @@ typedef struct recording_save {
     char *name, *text; /* one allocation, by `name`; text NULL: nothing */
 } recording_save;
 
+/* A module of scripts/. */
+typedef struct recording_script {
+    char name[64], content[65];
+} recording_script;
+
 typedef struct recording_line {
     uint64_t tick;
     char *text; /* Lua */
 } recording_line;
 
-enum { RECORDING_SECOND = 60 }; /* ticks */
+enum { RECORDING_SECOND = 60, RECORDING_SCRIPTS = 64 }; /* ticks; modules of one game */
 
 /* The states that a second of the game came to. */
 typedef struct recording_state {
@@ -86,6 +92,8 @@ typedef struct recording {
     size_t next_line; /* the first not yet run */
     recording_save *saved;
     size_t saved_count;
+    recording_script *scripts;
+    size_t script_count;
 } recording;
 
 /* `files`: the game's, of which it is one; NULL: it is the user's own, anywhere. */
@@ -110,6 +118,8 @@ typedef struct recording_head {
     double seconds;
 } recording_head;
 recorder *recorder_open(const char *path, const recording_head *head, daft_error *error);
+/* A module that the game has required. NULL is fine. */
+void recorder_script(recorder *writer, const recording_script *script);
 /* After `ticks` ticks: what the game came to. `scene` NULL: its entities are not told. */
 void recorder_state(recorder *writer, uint64_t ticks, uint64_t hash, daft_scene *scene);
 /* As tick `tick`, counted from 0, begins: what it is given. A game that fails in this tick fails again in its replay.

@@ -65,10 +65,49 @@ bool session_open_replay(session *s, daft_error *error)
     return s->record != NULL;
 }
 
+void session_required(void *user, const char *name, const char *text, size_t size)
+{
+    session *s = user;
+    recording_script *script = &s->scripts[s->script_count];
+    if (s->script_count == RECORDING_SCRIPTS || strlen(name) >= sizeof script->name) return;
+    for (size_t i = 0; i < s->script_count; i++)
+        if (strcmp(s->scripts[i].name, name) == 0) return; /* the game has begun again */
+    sha256 hash;
+    sha256_begin(&hash);
+    sha256_add(&hash, text, size);
+    sha256_end(&hash, script->content);
+    snprintf(script->name, sizeof script->name, "%s", name);
+    s->script_count++;
+    recorder_script(s->record, script);
+}
+
+static bool is_as_recorded(const recording *r, const recording_script *script)
+{
+    for (size_t i = 0; i < r->script_count; i++)
+        if (strcmp(r->scripts[i].name, script->name) == 0) return strcmp(r->scripts[i].content, script->content) == 0;
+    return true;
+}
+
+bool session_compare_scripts(session *s, daft_error *error)
+{
+    for (; s->script_told < s->script_count; s->script_told++) {
+        const recording_script *script = &s->scripts[s->script_told];
+        char name[PATH_SIZE];
+        if (is_as_recorded(&s->replay, script)) continue;
+        if (s->def->strict)
+            return fail_at(error, s->def->replay, 0, 0, "it was recorded with another version of scripts/%s.lua",
+                           script->name);
+        fprintf(stderr, "daft: %s: it was recorded with another version of scripts/%s.lua: it may play differently\n",
+                daft_escape(s->def->replay, name, sizeof name), script->name);
+    }
+    return true;
+}
+
 /* Whether the replay still does what was recorded. */
 bool session_compare(session *s, daft_error *error)
 {
     char message[AGREE_TEXT];
+    if (!session_compare_scripts(s, error)) return false;
     if (!s->def->replay || s->replay.state_count == 0 || s->play->ticks > s->replay.end) return true;
     if (agree(&s->agreed, &s->replay, s->play->ticks, game_hash(s->play), s->play->scene, message)) return true;
     if (s->def->strict) return fail_at(error, s->def->replay, 0, 0, "%s", message);

@@ -258,6 +258,7 @@ static bool run(session *s, daft_error *error)
                      .keyboard = def->screen,
                      .profile = &s->profile,
                      .seconds = def->seconds,
+                     .required = def->record || s->replay.script_count ? session_required : NULL,
                      .asked = asked,
                      .printed = def->screen->headless ? NULL : tools_printed,
                      .answered = def->screen->headless ? NULL : tools_answered,
@@ -265,7 +266,7 @@ static bool run(session *s, daft_error *error)
                      .user = s};
     hot_switch(s);
     watch_begin(&s->files, s->def->watches && !s->info->packed ? s->info->folder : NULL);
-    if (!game_open(s->play, &play, error)) return false;
+    if (!game_open(s->play, &play, error) || !session_compare_scripts(s, error)) return false;
     progress_begin(&s->bar, s->info->title);
     s->last_ns = def->screen->now_ns(def->screen), s->began_ns = clock_now_ns();
     bool good = true;
@@ -326,9 +327,9 @@ session_end session_play(const session_def *def, const game_info *info, daft_err
     daft_image_destroy(s.survey.reference);
     frame_times_free(&s.times);
     trail_free(&s.past);
-    console_free(&s.console);
     trace_free(s.spans);
     profile_free(&s.profile);
+    console_free(&s.console);
     if (!good || failed) return SESSION_FAILED;
     return s.closed ? SESSION_CLOSED : s.left ? SESSION_LEFT : SESSION_DONE;
 }

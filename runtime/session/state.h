@@ -21,14 +21,6 @@
 
 #include <stdatomic.h>
 
-/* Measures of the governor's rungs (survey.c). */
-enum { SURVEY_ROUNDS = 5 };
-typedef struct rung_survey {
-    daft_image *whole, *reference;
-    int next; /* measure: rung + GOVERNOR_RUNGS · round */
-    int wait; /* frames until it */
-    double ms[GOVERNOR_RUNGS][SURVEY_ROUNDS], error[GOVERNOR_RUNGS][SURVEY_ROUNDS];
-} rung_survey;
 /* Time that the player holds (hold.c). */
 typedef struct time_hold {
     timeline *line;       /* of the game that runs; NULL: nobody has asked for it yet */
@@ -39,6 +31,15 @@ typedef struct time_hold {
     double owed; /* ticks to go, below 1 */
     input hands; /* what the player holds meanwhile */
 } time_hold;
+
+/* Measures of the governor's rungs (survey.c). */
+enum { SURVEY_ROUNDS = 5 };
+typedef struct rung_survey {
+    daft_image *whole, *reference;
+    int next; /* measure: rung + GOVERNOR_RUNGS · round */
+    int wait; /* frames until it */
+    double ms[GOVERNOR_RUNGS][SURVEY_ROUNDS], error[GOVERNOR_RUNGS][SURVEY_ROUNDS];
+} rung_survey;
 
 typedef struct session {
     const session_def *def;
@@ -57,6 +58,8 @@ typedef struct session {
     uint64_t notice_ns;        /* until when; 0: until it is right */
     recording replay;
     agreement agreed;
+    recording_script scripts[RECORDING_SCRIPTS]; /* of scripts/ that the game has required */
+    size_t script_count, script_told;            /* script_told: of these, how many the replay was compared with */
     recorder *record;
     console console; /* tools.c */
     inspector inspector;
@@ -144,6 +147,10 @@ bool session_take_changes(session *s, daft_error *error);
 
 /* The recording that is played, and the one that is made. */
 bool session_open_replay(session *s, daft_error *error);
+/* The game has required a module of scripts/. */
+void session_required(void *user, const char *name, const char *text, size_t size);
+/* Whether these are the ones that it was recorded with. */
+bool session_compare_scripts(session *s, daft_error *error);
 /* Whether the replay still does what was recorded. */
 bool session_compare(session *s, daft_error *error);
 uint64_t session_last_tick(const session *s);

@@ -458,6 +458,8 @@ static void bad_files_say_where(void **unused)
     } bad[] = {
         {"", 1, 1, "not a recording"},
         {"daft-recording 7\nend 1\n", 1, 16, "not a recording of this version"},
+        {"daft-recording 6\nscript\nend 1\n", 2, 7, "the name of a script"},
+        {"daft-recording 6\nscript tween 12\nend 1\n", 2, 14, "a SHA-256 expected"},
         {"daft-recording 3\nsaved ../x {}\nend 1\n", 2, 7, "the name of what a game saved"},
         {"daft-recording 3\nsaved\nend 1\n", 2, 6, "the name of what a game saved"},
         {"daft-recording 2\ntick 60\ntick 59\nend 60\n", 3, 8, "must not go back"},

@@ -333,6 +333,37 @@ static void strict_replays_compare_states(void **unused)
     assert_int_equal(system(command), 0);
 }
 
+/* What a game requires of scripts/ is known by its hash, what is in its own folder by the game's. */
+static void changed_scripts_are_told(void **unused)
+{
+    (void)unused;
+    char folder[] = "/tmp/daft-parts-XXXXXX", command[256], path[64];
+    assert_non_null(mkdtemp(folder));
+    snprintf(path, sizeof path, "%s/mine.lua", folder);
+    write_text(path, "return {}\n");
+    write_balls(
+        folder,
+        "if n == 20 then require 'tween' require 'mine' require 'tween' end if n == 40 then daft.restart() end");
+    assert_status(run_daft(output, "play %s --headless --ticks 100 --record %s/a.rec", folder, folder), 0, output);
+    assert_status(run_daft(output, "play %s --headless --replay %s/a.rec --strict", folder, folder), 0, output);
+    snprintf(command, sizeof command,
+             "test \"$(grep ^script %s/a.rec)\" = \"script tween $(sha256sum < '%s/scripts/tween.lua' | head -c 64)\"",
+             folder, DAFT_ROOT);
+    assert_int_equal(system(command), 0);
+    snprintf(command, sizeof command, "sed -i 's/^script tween ....../script tween 123abc/' %s/a.rec", folder);
+    assert_int_equal(system(command), 0);
+    assert_status(run_daft(output, "play %s --headless --replay %s/a.rec", folder, folder), 0, output);
+    assert_says(output, "it was recorded with another version of scripts/tween.lua: it may play differently");
+    assert_status(run_daft(output, "play %s --headless --replay %s/a.rec --strict", folder, folder), 1, output);
+    assert_says(output, "it was recorded with another version of scripts/tween.lua");
+    snprintf(command, sizeof command, "sed -i 's/^script tween .*/script tween 12/' %s/a.rec", folder);
+    assert_int_equal(system(command), 0);
+    assert_status(run_daft(output, "play %s --headless --replay %s/a.rec", folder, folder), 1, output);
+    assert_says(output, "a SHA-256 expected");
+    snprintf(command, sizeof command, "rm -r %s", folder);
+    assert_int_equal(system(command), 0);
+}
+
 static void replays_go_at_any_speed(void **unused)
 {
     (void)unused;
@@ -404,6 +435,7 @@ int main(void)
                                        cmocka_unit_test(a_recording_plays_the_same_game),
                                        cmocka_unit_test(a_changed_game_is_told_and_where_it_parts),
                                        cmocka_unit_test(strict_replays_compare_states),
+                                       cmocka_unit_test(changed_scripts_are_told),
                                        cmocka_unit_test(replays_go_at_any_speed),
                                        cmocka_unit_test(without_a_display_the_demo_plays_and_leaves_a_picture)};
     return cmocka_run_group_tests(tests, NULL, NULL);
