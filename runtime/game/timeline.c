@@ -122,6 +122,7 @@ static void hold_game(timeline *self)
     play->def.replay = &self->past->made, play->def.record = NULL, play->def.trail = NULL, play->def.heard = NULL;
     play->def.answered = NULL;
     play->def.saves = self->kept;
+    play->scripts.def.profile = NULL; /* what is done again is not what the game takes */
     play->scripts.def.saves = self->kept, play->scripts.replaying = play->scripts.def.quiet = true;
     self->past->made.end = self->present;
     trail_seek(self->past, play->ticks);
@@ -161,7 +162,7 @@ timeline *timeline_open(const game_def *live, uint64_t present, game_state *fres
         past->made.end = present;
         trail_seek(past, past->first);
         again.replay = &past->made, again.record = NULL, again.trail = NULL, again.heard = NULL;
-        again.quiet = true, again.answered = NULL;
+        again.quiet = true, again.answered = NULL, again.profile = NULL;
         again.saves = self->kept, again.handed = past->handed;
         if (game_open(fresh, &again, error)) self->play = fresh;
     }
@@ -308,7 +309,7 @@ bool timeline_release(timeline *self, daft_error *error)
     if (!saves_take(self->live.saves, self->kept, error)) return false;
     if (!recorder_cut(self->live.record, play->ticks, game_hash(play), error)) return false;
     play->def = self->live;
-    play->scripts.def.saves = self->live.saves;
+    play->scripts.def.saves = self->live.saves, play->scripts.def.profile = self->live.profile;
     play->scripts.replaying = game_is_replaying(play), play->scripts.def.quiet = false;
     if (play->def.replay) seek(play->def.replay, play->ticks);
     trail_cut(self->past, play->ticks);

@@ -37,6 +37,7 @@ static const char *give_line(session *s, const char *line)
 {
     if (game_run_line(s->play, line)) return NULL;
     if (s->play->failed) return "The game has stopped: R starts it again.";
+    if (session_holds_time(s)) return "Time is held: close the console, and Space lets it go on.";
     if (game_is_replaying(s->play)) return "A recording plays, whose game a line would change: wait for its end.";
     return "The line is too long, or too many wait.";
 }
