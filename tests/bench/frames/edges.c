@@ -5,8 +5,8 @@
  *
  * Rows `pan, NAME`: each scene at 640x360 by a camera that turns by 0.4 of a pixel from one frame to the next, 120
  * frames long: how much more, or less, the picture changes from frame to frame than the reference's, 16 samples
- * everywhere: the mean over pixels and frames of |FLIP of two frames - FLIP of the reference's|, which is what shimmers.
- * Beside it stands that of eight samples everywhere. */
+ * everywhere: the mean over pixels and frames of |FLIP of two frames - FLIP of the reference's|, which is what
+ * shimmers. Beside it stands that of eight samples everywhere. */
 #include "harness/bench.h"
 
 #include "accuracy/metrics.h"
@@ -41,7 +41,8 @@ static char *run_cost(bench *self, const char *what, int threads)
     size_t size;
     if (!mkdtemp(folder)) return NULL;
     snprintf(command, sizeof command,
-             "cd '%s' && '%s' cost '%s' --knob antialiasing --quick --size 1280x720 --no-pictures --threads %d --isa %s -o %s "
+             "cd '%s' && '%s' cost '%s' --knob antialiasing --quick --size 1280x720 --no-pictures --threads %d --isa "
+             "%s -o %s "
              ">/dev/null 2>&1",
              DAFT_ROOT, DAFT_PROGRAM, what, threads, self->isa, folder);
     const bool good = system(command) == 0;
@@ -54,11 +55,8 @@ static char *run_cost(bench *self, const char *what, int threads)
 
 static void measure_picture(bench *self, const char *name, const char *what, int threads)
 {
-    bench_row row = {.unit = "ms",
-                     .isa = self->isa,
-                     .threads = threads,
-                     .peer_name = "8 samples",
-                     .budget = {.floor = 1 / 0.35}};
+    bench_row row = {
+        .unit = "ms", .isa = self->isa, .threads = threads, .peer_name = "8 samples", .budget = {.floor = 1 / 0.35}};
     edge_point ours, peer;
     fprintf(stderr, "%s, %d thread%s\n", name, threads, threads == 1 ? "" : "s");
     char *csv = run_cost(self, what, threads);
@@ -137,8 +135,7 @@ static void add_flicker(pan_show *p)
 {
     for (int k = 0; k + 1 < KINDS; k++) {
         double sum = 0;
-        for (int i = 0; i < WIDTH * HEIGHT; i++)
-            sum += fabs((double)p->change[k][i] - (double)p->change[KINDS - 1][i]);
+        for (int i = 0; i < WIDTH * HEIGHT; i++) sum += fabs((double)p->change[k][i] - (double)p->change[KINDS - 1][i]);
         p->flicker[k] += sum / (WIDTH * HEIGHT) / (FRAMES - 1);
     }
 }
