@@ -11,8 +11,10 @@ static int compare_times(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
+/* One time alone has no spread: it may be off by a tenth, as times are where the machine does something else. */
 static double spread_of(const double *sorted, int count)
 {
+    if (count == 1) return sorted[0] / 10;
     if (count < 4) return (sorted[count - 1] - sorted[0]) / 2;
     return (sorted[count * 3 / 4] - sorted[count / 4]) / 2;
 }

@@ -12,15 +12,18 @@
 
 enum { GRID = 54, GRID_QUICK = 12, LEAST_ROUNDS = 2, GOOD_ROUNDS = 5, MOST_FACTOR = 4, TRIES = 3 };
 
-/* Parts of a moment's time: what the reference may take; until when there may be new cells of the grid, and more than
- * good rounds; what the rounds of one setting may take, and what one picture of it. */
-static const double REFERENCE_SHARE = 0.3, COMPARE_SHARE = 0.55, TIME_SHARE = 0.85, POINT_SHARE = 0.04,
-                    SLOWEST_SHARE = 0.06;
+/* Parts of a moment's time: what the reference may take; until when there may be new cells of the grid, new settings of
+ * single knobs, and more than good rounds; what the rounds of one setting may take, and what one picture of it. What is
+ * not timed once by LAST_SHARE is left out, so that a machine that becomes slow makes the report shorter and no later.
+ */
+static const double REFERENCE_SHARE = 0.3, COMPARE_SHARE = 0.55, SINGLES_SHARE = 0.75, TIME_SHARE = 0.85,
+                    LAST_SHARE = 1.05, POINT_SHARE = 0.04, SLOWEST_SHARE = 0.06;
 
 /* What is known of the moment at work. */
 typedef struct sweep_work {
     int moment;
     bool shown;     /* the moment that the report shows */
+    bool late;      /* there is no time left for this moment: it does not count */
     daft_view view; /* of the preset, now */
     double seconds; /* that the moment may take */
     uint64_t all_ns, began_ns;
@@ -159,13 +162,14 @@ static void finish_reference(const sweep_result *s, const reference_sum *sum, ui
 }
 
 /* The halves have f × f and (f+1) × (f+1) times as many pixels, so that they share no sample position. f is the largest
- * that there is time for, by what a picture of one time as many takes. */
+ * that there is time for, by what the slower of two pictures of one time as many takes. */
 static bool choose_factor(sweep_result *s, int *factor, daft_error *error)
 {
     const daft_quality quality = reference_quality();
     const daft_view view = view_of(s, &quality);
-    double once, limit = REFERENCE_SHARE * s->work->seconds;
-    if (!draw_once(s, &view, &once, error)) return false;
+    double once, again, limit = REFERENCE_SHARE * s->work->seconds;
+    if (!draw_once(s, &view, &once, error) || !draw_once(s, &view, &again, error)) return false;
+    once = fmax(once, again);
     *factor = 1;
     while (*factor < MOST_FACTOR && once * ((*factor + 1) * (*factor + 1) + (*factor + 2) * (*factor + 2)) < limit)
         ++*factor;
@@ -393,38 +397,47 @@ static bool compare_one(sweep_result *s, sweep_point *p, const uint8_t *referenc
     return true;
 }
 
+/* Leaves out the settings from one on. At moments after the first all or none must be there: the moment is left out. */
+static void leave_out(sweep_result *s, size_t from)
+{
+    if (from == s->count) return;
+    s->work->late = s->work->moment > 0;
+    if (s->work->late) return;
+    s->dropped += s->count - from;
+    for (size_t i = from; i < s->count; i++) free(s->points[i].pixels);
+    s->count = from;
+}
+
 /* Draws the points from `first` on for the first time, and compares them with the reference. */
 static bool compare(sweep_result *s, size_t first, const uint8_t *reference, daft_error *error)
 {
     for (size_t i = first; i < s->count; i++) {
         show(s);
         if (!compare_one(s, &s->points[i], reference, error)) return false;
-        /* Cells of the grid that no time is left for are dropped; single knobs never. */
-        if (first > 0 && used(s) > COMPARE_SHARE) {
-            s->dropped += s->count - (i + 1);
-            s->count = i + 1;
-        }
+        if (i >= s->preset && used(s) > (first > 0 ? COMPARE_SHARE : SINGLES_SHARE)) leave_out(s, i + 1);
+        if (s->work->late) return true;
     }
     return true;
 }
 
-/* Whether there is time for one more of a point: twice always, since one time has no spread; slow ones may take their
- * share and no more. */
+/* Whether there is time for one more of a point: slow ones may take their share and no more. */
 static bool may_time(const sweep_result *s, const sweep_point *p)
 {
     const sweep_measure *m = &p->at[s->work->moment];
     double taken = 0;
     for (int i = 0; i < m->rounds; i++) taken += m->times[i] / 1e3;
-    if (m->rounds < LEAST_ROUNDS) return true;
+    if (m->rounds == 0) return true;
+    if (m->rounds < LEAST_ROUNDS) return used(s) < 1;
     return taken < POINT_SHARE * s->work->seconds && used(s) < (m->rounds < GOOD_ROUNDS ? 1 : TIME_SHARE);
 }
 
 static bool time_all(sweep_result *s, daft_error *error)
 {
     for (int round = 0; round < SWEEP_ROUNDS; round++) {
-        for (size_t i = 0; i < s->count; i++) {
+        for (size_t i = 0; i < s->count && !s->work->late; i++) {
             show(s);
             if (may_time(s, &s->points[i]) && !draw_timed(s, &s->points[i], error)) return false;
+            if (round == 0 && i >= s->preset && used(s) > LAST_SHARE) leave_out(s, i + 1);
         }
     }
     return true;
@@ -475,13 +488,13 @@ static bool measure_moment(sweep_result *s, daft_error *error)
     w->view = s->def.view;
     if (is_game(s)) w->view.camera = daft_scene_camera(s->def.scene, 1);
     w->view.quality = preset_of(s);
-    w->shown = w->moment == s->def.moments / 2;
+    w->shown = w->moment == 0; /* the one that is never late */
     w->began_ns = clock_now_ns(), w->seen_from = w->view.camera.position.x;
     uint8_t *reference = malloc(bytes_of(s));
     bool good = reference || fail(error, DAFT_ERROR_MEMORY, "out of memory for the reference");
     good = good && make_reference(s, reference, error) &&
            (w->moment == 0 ? find_points(s, reference, error) : compare(s, 0, reference, error)) &&
-           time_all(s, error) && (!w->shown || look_closely(s, error));
+           time_all(s, error) && (!w->shown || w->late || look_closely(s, error));
     free(reference);
     drop_reference(w);
     return good;
@@ -495,6 +508,7 @@ static bool run(sweep_result *s, daft_error *error)
         show(s);
         if (is_game(s) && !s->def.next(s->def.user, error)) return false;
         if (!measure_moment(s, error)) return false;
+        if (s->work->late) break;
         s->moments++;
     }
     sweep_judge(s);

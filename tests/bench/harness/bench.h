@@ -171,6 +171,8 @@ void bench_sim_shapes(bench *self);   /* collision geometry */
 void bench_sim(bench *self);          /* steps of the simulation */
 void bench_sim_accuracy(bench *self); /* what a right motion costs */
 void bench_denoise(bench *self);      /* soft light, by rays and denoised */
+void bench_edges(bench *self);        /* antialiasing: beside more samples of all, and while the camera turns */
+void bench_budgets(bench *self);      /* what daft cost recommends, drawn */
 void bench_growth(bench *self);       /* time against triangles, instances, pixels, lights, threads */
 void bench_accuracy(bench *self);     /* what a right pixel costs */
 void bench_robust(bench *self);       /* how often wrong, not how fast */

@@ -296,6 +296,8 @@ int main(int argc, char **argv)
     bench_sim_shapes(&self);
     bench_sim(&self);
     bench_denoise(&self);
+    bench_edges(&self);
+    bench_budgets(&self);
     bench_growth(&self);
     bench_accuracy(&self);
     bench_sim_accuracy(&self);

@@ -7,7 +7,7 @@
 bool bench_smaller_is_better(const bench_row *row)
 {
     return strcmp(row->unit, "ms") == 0 || strcmp(row->unit, "ns") == 0 || strcmp(row->unit, "mm") == 0 ||
-           strncmp(row->unit, "B/", 2) == 0;
+           strcmp(row->unit, "FLIP") == 0 || strncmp(row->unit, "B/", 2) == 0;
 }
 
 double bench_ratio(const bench_row *row)

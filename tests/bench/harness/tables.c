@@ -171,7 +171,8 @@ static bool missed(const table_row *r)
 {
     if (isnan(r->floor)) return false;
     if (!r->of_value) return r->ratio < r->floor;
-    bool smaller = strcmp(r->unit, "ms") == 0 || strcmp(r->unit, "mm") == 0 || strncmp(r->unit, "B/", 2) == 0;
+    bool smaller = strcmp(r->unit, "ms") == 0 || strcmp(r->unit, "mm") == 0 || strcmp(r->unit, "FLIP") == 0 ||
+                   strncmp(r->unit, "B/", 2) == 0;
     return smaller ? r->ours > r->floor : r->ours < r->floor;
 }
 
