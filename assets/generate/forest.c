@@ -109,38 +109,14 @@ static bool paint_forest(const char *root)
 
 /* ---- plants and rocks ---- */
 
-/* A random point on the unit sphere. */
-static vec direction(int i, int seed)
-{
-    double y = 2 * hash01(i, 1, seed) - 1, a = TAU * hash01(i, 2, seed), r = sqrt(1 - y * y);
-    return v3(r * cos(a), y, r * sin(a));
-}
-
-/* A tube along points, with radii; open at both ends. */
-static void add_tube(mesh *m, const vec *points, const double *radii, int count, int sides, double tile)
-{
-    for (int i = 0; i + 1 < count; i++) {
-        for (int k = 0; k < sides; k++) {
-            corner c[4];
-            for (int j = 0; j < 4; j++) {
-                int at = i + (j > 1), turn = k + (j == 1 || j == 2);
-                double a = -TAU * (turn % sides) / sides;
-                vec out = v3(cos(a), 0, sin(a));
-                c[j] = (corner){add(points[at], times(out, radii[at])), out, (double)turn / sides, points[at].y / tile};
-            }
-            add_face(m, c, 4, true);
-        }
-    }
-}
-
 /* Kites of leaves that stand out of an ellipsoid, so that its outline is not a ball's. */
 static void add_sprigs(mesh *m, vec center, vec radius, int count, double size, int seed)
 {
     for (int i = 0; i < count; i++) {
-        vec d = direction(i, seed),
+        vec d = random_direction(i, seed),
             base = add(center, v3(0.86 * d.x * radius.x, 0.86 * d.y * radius.y, 0.86 * d.z * radius.z));
-        vec out = normal_of(add(add(d, v3(0, 0.25, 0)), times(direction(i, seed + 1), 0.7)));
-        vec side = normal_of(cross(out, direction(i, seed + 2))),
+        vec out = normal_of(add(add(d, v3(0, 0.25, 0)), times(random_direction(i, seed + 1), 0.7)));
+        vec side = normal_of(cross(out, random_direction(i, seed + 2))),
             normal = normal_of(add(times(d, 2), cross(side, out)));
         double s = size * (0.7 + 0.6 * hash01(i, 3, seed)), u = hash01(i, 4, seed), v = hash01(i, 5, seed);
         vec middle = add(base, times(out, 0.5 * s)), tip = add(base, times(out, s));
@@ -271,7 +247,7 @@ static void berries(mesh *m)
     bush(m);
     use_material(m, "berry");
     for (int i = 0; i < 24; i++) {
-        vec d = direction(i, 641);
+        vec d = random_direction(i, 641);
         add_blob(m, v3(0.72 * d.x, 0.45 + 0.4 * d.y, 0.68 * d.z), v3(0.04, 0.04, 0.04), 0, 0, 1);
     }
 }

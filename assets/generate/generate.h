@@ -20,6 +20,7 @@ bool generate_hall(const char *root);
 bool generate_town(const char *root);
 bool generate_studio(const char *root);
 bool generate_figure(const char *root);
+bool generate_leaves(const char *root);
 bool generate_sculptures(const char *root); /* of the hall */
 
 /* Opens root/path for writing in binary; NULL after a message on stderr. */

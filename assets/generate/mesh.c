@@ -181,6 +181,28 @@ void add_soft_blob(mesh *m, vec center, vec radius, int level, double rough, int
     add_icosahedron(&b, level);
 }
 
+vec random_direction(int i, int seed)
+{
+    double y = 2 * hash01(i, 1, seed) - 1, a = 6.283185307179586 * hash01(i, 2, seed), r = sqrt(1 - y * y);
+    return v3(r * cos(a), y, r * sin(a));
+}
+
+void add_tube(mesh *m, const vec *points, const double *radii, int count, int sides, double tile)
+{
+    for (int i = 0; i + 1 < count; i++) {
+        for (int k = 0; k < sides; k++) {
+            corner c[4];
+            for (int j = 0; j < 4; j++) {
+                int at = i + (j > 1), turn = k + (j == 1 || j == 2);
+                double a = -6.283185307179586 * (turn % sides) / sides;
+                vec out = v3(cos(a), 0, sin(a));
+                c[j] = (corner){add(points[at], times(out, radii[at])), out, (double)turn / sides, points[at].y / tile};
+            }
+            add_face(m, c, 4, true);
+        }
+    }
+}
+
 void add_panel(mesh *m, const vec p[4], double u0, double v0, double u1, double v1)
 {
     vec n = normal_of(cross(sub(p[1], p[0]), sub(p[2], p[0])));

@@ -56,6 +56,10 @@ void add_blob(mesh *m, vec center, vec radius, int level, double rough, int seed
 /* The same with a texture, one repeat in `tile` metres along the two axes that each triangle faces least, and with
  * normals between the triangle's (soft 0) and the sphere's (soft 1). */
 void add_soft_blob(mesh *m, vec center, vec radius, int level, double rough, int seed, double tile, double soft);
+/* A random point on the unit sphere. */
+vec random_direction(int i, int seed);
+/* A tube along points, with radii; open at both ends; the texture goes around once and repeats every `tile` metres. */
+void add_tube(mesh *m, const vec *points, const double *radii, int count, int sides, double tile);
 /* A textured quadrilateral with a flat normal: corners counter-clockwise from the lower left, u to the right, v up. */
 void add_panel(mesh *m, const vec points[4], double u0, double v0, double u1, double v1);
 /* A box from `low` to `high` without its bottom; the texture repeats every `tile` metres. */

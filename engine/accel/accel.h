@@ -43,9 +43,13 @@ size_t daft_kdtree_bytes(const daft_kdtree *tree);
 
 enum {
     DAFT_INSTANCE_CASTS_SHADOW = 1,
-    DAFT_INSTANCE_CONVEX = 2,      /* no point of it that faces a light lies in its own shadow */
-    DAFT_INSTANCE_TINTS_SHADOW = 4 /* in place of CASTS_SHADOW: some of the light comes through */
+    DAFT_INSTANCE_CONVEX = 2,        /* no point of it that faces a light lies in its own shadow */
+    DAFT_INSTANCE_TINTS_SHADOW = 4,  /* in place of CASTS_SHADOW: some of the light comes through */
+    DAFT_INSTANCE_FILTERS_SHADOW = 8 /* in place of either: it has surfaces with alpha, each hit says what passes */
 };
+
+/* What is known of the alpha at any point of a triangle. */
+enum { DAFT_OPACITY_MIXED, DAFT_OPACITY_OPAQUE, DAFT_OPACITY_CLEAR };
 
 /* What is drawn or hit: a mesh or, with mesh NULL, a sphere around to_frame's translation. */
 typedef struct daft_instance {
@@ -59,6 +63,7 @@ typedef struct daft_instance {
     const uint32_t *materials; /* material index of each of the mesh's slots; a sphere has one slot */
     uint32_t entity, order;    /* the caller's: only carried; the second grows along a list of instances */
     uint64_t shape;            /* of the mesh, its tree and its vertices: no others had or will have it */
+    const uint8_t *opacity;    /* of each triangle, a DAFT_OPACITY_…; NULL: all are mixed */
     uint32_t flags;
 } daft_instance;
 
@@ -95,6 +100,15 @@ typedef struct daft_hit {
     daft_vec3 normal; /* geometric, frame space, not normalised, not turned to the ray */
 } daft_hit;
 
+/* One of all the hits of a ray. */
+typedef struct daft_pierced {
+    uint32_t instance, triangle; /* triangle: 0 of a sphere */
+    float t, u, v;               /* as in daft_hit; u and v are 0 on a sphere */
+} daft_pierced;
+
+/* False: no more is asked. */
+typedef bool daft_pierced_at(void *user, const daft_pierced *hit);
+
 /* Sixteen rays side by side. */
 enum { DAFT_PACKET = 16 };
 typedef struct daft_ray_packet {
@@ -128,6 +142,9 @@ typedef struct daft_accel_kernels {
                            daft_hit *hits);
     /* Sets bit i % 32 of occluded[i / 32] for the rays that are occluded and clears it for the others. */
     void (*occluded_stream)(const daft_tlas *tlas, const daft_ray *rays, uint32_t count, uint32_t *occluded);
+    /* Tells of each hit in tmin <= t <= tmax with the instances of DAFT_INSTANCE_FILTERS_SHADOW, once for each triangle
+     * that is not DAFT_OPACITY_CLEAR and up to twice for a sphere, in an order that hangs on the trees alone. */
+    void (*pierce)(const daft_tlas *tlas, const daft_ray *ray, daft_pierced_at *at, void *user);
     /* Bits of the node's children that the ray meets in its interval, by their bounds; never those of an empty box. */
     uint32_t (*boxes)(const daft_node *node, const daft_ray *ray);
     /* daft_instance_bound for each instance, with the same bits. */

@@ -41,6 +41,7 @@ typedef struct daft_texture_data {
     uint8_t *texels[DAFT_MAX_MIPS]; /* level 0, and an allocation with all others */
     bool from_stb;                  /* level 0 is what stb_image has made */
     bool has_alpha;                 /* some texel's is not 255 */
+    uint64_t revision;              /* the holder's: no other texture has it */
     bool missing;                   /* stands in for a file that could not be read */
 } daft_texture_data;
 

@@ -122,6 +122,9 @@ typedef struct daft_sample_kernels {
      * where there may be more or the light is among the points. */
     uint32_t (*tints)(const daft_samples *points, const daft_apex *light, const daft_tlas *tlas,
                       const uint32_t bits[DAFT_SAMPLES_WORDS], uint32_t out[DAFT_MAX_OCCLUDERS], void *scratch);
+    /* Of the points in `bits`, those whose ray may meet the bounds of an instance with the flag. False: none does. */
+    bool (*under)(const daft_samples *points, const daft_apex *light, const daft_tlas *tlas, uint32_t flag,
+                  const uint32_t bits[DAFT_SAMPLES_WORDS], uint32_t out[DAFT_SAMPLES_WORDS], void *scratch);
 } daft_sample_kernels;
 
 const daft_sample_kernels *daft_sample_kernels_for(int isa);

@@ -310,10 +310,10 @@ static bool prepare(daft_frame *frame, daft_error *error)
         memset(scratch->ticks, 0, sizeof scratch->ticks);
         memset(scratch->tiles, 0, sizeof scratch->tiles);
         memset(scratch->rays_cast, 0, sizeof scratch->rays_cast);
-        scratch->shadow_points = 0;
+        scratch->shadow_points = scratch->alpha_rays = scratch->alpha_reads = 0;
     }
     count_work(frame);
-    if (frame->plan.tints && !prepare_tints(r, error)) return false;
+    if ((frame->plan.tints || frame->plan.filters) && !prepare_tints(r, error)) return false;
     if (!prepare_sampled(r, frame->plan.samples_light, error)) return false;
     if (!prepare_gloss(r, &frame->plan, error) || !prepare_varying(r, &frame->plan, error)) return false;
     if (!prepare_edges(frame, error)) return false;
@@ -334,7 +334,7 @@ static void count_bytes(const daft_frame *frame, daft_counters *c)
         e[ON_TREE[i]].bytes = r->arena.bytes;
         break;
     }
-    if (e[DAFT_EFFECT_SHADOW].ran && frame->plan.tints)
+    if (e[DAFT_EFFECT_SHADOW].ran && (frame->plan.tints || frame->plan.filters))
         e[DAFT_EFFECT_SHADOW].bytes += r->passed_capacity * sizeof *r->passed;
     if (e[DAFT_EFFECT_OCCLUSION].ran) e[DAFT_EFFECT_OCCLUSION].bytes += r->sampled_capacity * sizeof *r->sampled;
     if (e[DAFT_EFFECT_DENOISE].ran) e[DAFT_EFFECT_DENOISE].bytes = daft_denoise_bytes(r);
@@ -371,7 +371,10 @@ static void sum_effects(const daft_frame *frame, daft_counters *c, double since,
         effect->why = effect->ran ? frame->plan.why[e] : frame->plan.why_not_seen[e];
         if (!effect->ran) effect->ms = 0; /* what it took to find out belongs to nobody */
     }
-    for (int i = 0; i < r->threads; i++) c->shadow_points_kept += r->scratch[i].shadow_points;
+    for (int i = 0; i < r->threads; i++) {
+        c->shadow_points_kept += r->scratch[i].shadow_points;
+        c->alpha_rays += r->scratch[i].alpha_rays, c->alpha_reads += r->scratch[i].alpha_reads;
+    }
     c->camera_rays = c->effects[DAFT_EFFECT_VISIBILITY].rays + c->effects[DAFT_EFFECT_ANTIALIASING].rays;
     c->shadow_rays = c->effects[DAFT_EFFECT_SHADOW].rays;
     c->reflection_rays = c->effects[DAFT_EFFECT_REFLECTION].rays;

@@ -19,6 +19,7 @@ typedef struct daft_plan {
     bool colors, varies, tangents, blends;       /* of what is in the frame: see DAFT_TRAIT_… */
     int through_depth;                           /* surfaces that a path which passes through some may meet */
     bool tints, may_refract;                     /* some of these shadows let light through; some material transmits */
+    bool filters;                                /* some of what keeps light away has alpha */
     bool reflects, refracts;                     /* of the running sample: what is seen may send such rays on */
     const char *why[DAFT_EFFECT_COUNT];          /* what calls for the effect, or why nothing can */
     const char *why_not_seen[DAFT_EFFECT_COUNT]; /* the reason if no tile runs it after all */
@@ -71,6 +72,7 @@ typedef struct daft_scratch {
     uint32_t tiles[DAFT_EFFECT_COUNT];
     uint64_t rays_cast[DAFT_EFFECT_COUNT];
     uint64_t shadow_points;
+    uint64_t alpha_rays, alpha_reads; /* rays through surfaces with alpha, and texels that these read */
 } daft_scratch;
 
 /* A plane of some instance that mirrors, and the camera behind it. */

@@ -60,7 +60,7 @@ static const char *shadow_reason(const daft_snapshot *snapshot, const daft_quali
     if (!quality->shadows) return "this quality has no shadows";
     if (snapshot->light_count == 0) return "the scene has no light";
     if (!light_casts(snapshot)) return "no light casts shadows";
-    if (!some_flag(snapshot, DAFT_INSTANCE_CASTS_SHADOW | DAFT_INSTANCE_TINTS_SHADOW))
+    if (!some_flag(snapshot, DAFT_INSTANCE_CASTS_SHADOW | DAFT_INSTANCE_TINTS_SHADOW | DAFT_INSTANCE_FILTERS_SHADOW))
         return "nothing visible casts shadows";
     *run = true;
     return "lit points lie under something's bounds, seen from a light";
@@ -79,7 +79,7 @@ static const char *occlusion_reason(const daft_snapshot *s, bool *run)
     if (!(s->occlusion > 0)) return "the scene asks for no ambient occlusion";
     if (s->quality.occlusion_samples == 0) return "this quality has no ambient occlusion";
     if (!(s->ambient.x > 0 || s->ambient.y > 0 || s->ambient.z > 0)) return "the scene has no ambient light";
-    *run = some_flag(s, DAFT_INSTANCE_CASTS_SHADOW);
+    *run = some_flag(s, DAFT_INSTANCE_CASTS_SHADOW | DAFT_INSTANCE_FILTERS_SHADOW);
     return *run ? "a surface is seen" : "nothing visible casts shadows";
 }
 
@@ -126,6 +126,7 @@ daft_plan daft_plan_make(const daft_snapshot *snapshot)
     plan.blends = plan.varies && some_material(snapshot, blends);
     plan.through_depth = plan.quality->refraction_depth;
     if (plan.blends) plan.through_depth = daft_max_i(plan.through_depth, MOST_LAYERS);
+    plan.filters = plan.blends && (plan.shadows || plan.occlusion) && some_flag(snapshot, DAFT_INSTANCE_FILTERS_SHADOW);
     plan.may_refract = plan.through_depth > 0 && some_material(snapshot, lets_through);
     why[DAFT_EFFECT_REFRACTION] =
         plan.blends ? "something that transmits or blends is seen" : "something that transmits is seen";

@@ -121,8 +121,8 @@ static void add_change(changes *all, const daft_kept_instance *item)
     }
     const daft_reach box = {item->low, item->high};
     change *c = &all->items[all->count++];
-    *c = (change){.box = widened(&box),
-                  .shades = item->flags & (DAFT_INSTANCE_CASTS_SHADOW | DAFT_INSTANCE_TINTS_SHADOW)};
+    const uint32_t shades = DAFT_INSTANCE_CASTS_SHADOW | DAFT_INSTANCE_TINTS_SHADOW | DAFT_INSTANCE_FILTERS_SHADOW;
+    *c = (change){.box = widened(&box), .shades = item->flags & shades};
     cover(all->frame->snapshot, c);
 }
 

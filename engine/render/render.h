@@ -132,6 +132,11 @@ typedef struct daft_frame_target {
     void *progress_user;
 } daft_frame_target;
 
+/* opacity.c. The DAFT_OPACITY_… of each of a mesh's triangles; `materials`: of its slots, into `surfaces`. False:
+ * memory is out. */
+bool daft_opacity_classify(const daft_allocator *allocator, const daft_trimesh *mesh, const daft_surface *surfaces,
+                           const uint32_t *materials, const daft_texture_data *textures, uint8_t *out);
+
 daft_renderer *daft_renderer_create(const daft_allocator *allocator, int threads, int isa, daft_error *error);
 void daft_renderer_destroy(daft_renderer *renderer);
 /* counters: the renderer adds to nothing, it sets every field but query_rays, mesh_builds, mesh_refits, poses,

@@ -94,6 +94,8 @@ typedef struct maker {
     uint32_t posed_count, *posed, unseen; /* those of them that play; those left out */
     daft_instance *instances;
     bool *fits; /* by instance */
+    /* By entity, of those that have a mesh in a material with alpha; NULL: no material has any, or rays ask. */
+    const daft_opacity_set **opacity;
 } maker;
 
 enum { TASK = 256, FEW = 4096 }; /* instances; with fewer, others are not worth waking */
@@ -106,6 +108,15 @@ static const uint32_t *make_numbers(const daft_scene *scene, daft_arena *arena)
     return numbers;
 }
 
+/* Whether a frame may have to look at the alpha of something. */
+static bool has_alpha(const daft_scene *scene)
+{
+    const daft_assets *assets = &scene->assets;
+    for (uint32_t i = 0; i < assets->material_slots.count; i++)
+        if (daft_surface_blends(&assets->surfaces[i])) return true;
+    return false;
+}
+
 static bool begin(maker *m)
 {
     uint32_t max = m->scene->entity_slots.live, materials = m->scene->assets.material_slots.count;
@@ -116,6 +127,9 @@ static bool begin(maker *m)
     m->posed = daft_arena_alloc(m->arena, m->scene->animated ? max : 1, sizeof *m->posed);
     m->instances = daft_arena_alloc(m->arena, max, sizeof *m->instances);
     m->fits = daft_arena_alloc(m->arena, max, sizeof *m->fits);
+    const bool alpha = m->sight && has_alpha(m->scene);
+    if (alpha) m->opacity = daft_arena_alloc(m->arena, max, sizeof *m->opacity);
+    if (alpha && !m->opacity) return false;
     for (uint32_t i = 0; m->repeated && i < materials; i++) m->repeated[i] = NULL;
     for (uint32_t i = 0; i < m->scene->assets.mesh_slots.count; i++)
         if (m->scene->assets.meshes[i])
@@ -152,6 +166,29 @@ static bool list_posed(maker *m, uint32_t index)
     return seen;
 }
 
+/* The mesh's own materials, unless the entity has one, which then goes to every slot. */
+static const uint32_t *materials_of(const maker *m, const daft_entity_item *item, const daft_mesh_item *shape)
+{
+    if (!item->def.material.id && shape) return shape->materials;
+    uint32_t material = item->def.material.id ? daft_asset_index(item->def.material.id) : 0;
+    return repeats(item, shape) ? m->repeated[material] : &m->numbers[material];
+}
+
+static bool any_blends(const daft_scene *scene, const uint32_t *materials, uint32_t slots)
+{
+    for (uint32_t i = 0; i < slots; i++)
+        if (daft_surface_blends(&scene->assets.surfaces[materials[i]])) return true;
+    return false;
+}
+
+static const daft_opacity_set *opacity_of(const maker *m, const daft_entity_item *item, daft_mesh_item *shape)
+{
+    if (!shape || !item->def.casts_shadow) return NULL;
+    const uint32_t *materials = materials_of(m, item, shape);
+    if (!any_blends(m->scene, materials, daft_max_u(shape->mesh.slot_count, 1))) return NULL;
+    return daft_opacity_find(m->scene, shape, materials);
+}
+
 /* Notes the entity if there is something of it to show. Where those with parents are is found here, since others may
  * stand on the same. False: memory is out. */
 static bool list_entity(maker *m, uint32_t index)
@@ -161,20 +198,14 @@ static bool list_entity(maker *m, uint32_t index)
     if (!scene->entity_slots.items[index].live || item->def.shape == DAFT_SHAPE_NONE || !item->def.visible) return true;
     if (item->parent != DAFT_NONE && !daft_entity_world(scene, index, m->alpha)->shown) return true;
     if (item->animated && !list_posed(m, index)) return true;
-    const daft_mesh_item *shape = shape_of(scene, item);
+    daft_mesh_item *shape = shape_of(scene, item);
     m->entities[m->count++] = index;
-    return !repeats(item, shape) || repeat_material(m, daft_asset_index(item->def.material.id));
+    if (repeats(item, shape) && !repeat_material(m, daft_asset_index(item->def.material.id))) return false;
+    if (m->opacity) m->opacity[m->count - 1] = opacity_of(m, item, shape);
+    return true;
 }
 
 /* ---- where ---- */
-
-/* The mesh's own materials, unless the entity has one, which then goes to every slot. */
-static const uint32_t *materials_of(const maker *m, const daft_entity_item *item, const daft_mesh_item *shape)
-{
-    if (!item->def.material.id && shape) return shape->materials;
-    uint32_t material = item->def.material.id ? daft_asset_index(item->def.material.id) : 0;
-    return repeats(item, shape) ? m->repeated[material] : &m->numbers[material];
-}
 
 /* Whether the camera is outside a box or a sphere, with a margin for rounding. Its points that face a light then lie in
  * no shadow of its own; with the camera inside, visible walls may. */
@@ -188,11 +219,14 @@ static bool seen_from_outside(const daft_entity_item *item, const daft_instance 
            (fabsf(camera[0]) > half * size.x || fabsf(camera[1]) > half * size.y || fabsf(camera[2]) > half * size.z);
 }
 
-/* The shadow is full if some material transmits nothing, and none if all of them transmit everything. */
-static uint32_t shadow_of(const daft_scene *scene, const daft_instance *instance)
+/* The shadow is full if some material transmits nothing, and none if all of them transmit everything; with alpha it is
+ * what the hits say, or what all of them would. */
+static uint32_t shadow_of(const daft_scene *scene, const daft_instance *instance, const daft_opacity_set *opacity)
 {
     uint32_t slots = instance->mesh && instance->mesh->slot_count ? instance->mesh->slot_count : 1;
     bool dims = false;
+    if (opacity) return opacity->flags;
+    if (any_blends(scene, instance->materials, slots)) return DAFT_INSTANCE_FILTERS_SHADOW;
     for (uint32_t i = 0; i < slots; i++) {
         const daft_surface *surface = &scene->assets.surfaces[instance->materials[i]];
         if (surface->transmission == 0) return DAFT_INSTANCE_CASTS_SHADOW;
@@ -202,9 +236,10 @@ static uint32_t shadow_of(const daft_scene *scene, const daft_instance *instance
 }
 
 /* Light comes to the inner side of what transmits: its points may lie in its own shadow. */
-static uint32_t flags_of(const daft_scene *scene, const daft_entity_item *item, const daft_instance *instance)
+static uint32_t flags_of(const daft_scene *scene, const daft_entity_item *item, const daft_instance *instance,
+                         const daft_opacity_set *opacity)
 {
-    uint32_t shadow = shadow_of(scene, instance);
+    uint32_t shadow = shadow_of(scene, instance, opacity);
     bool convex = shadow == DAFT_INSTANCE_CASTS_SHADOW && seen_from_outside(item, instance);
     return (item->def.casts_shadow ? shadow : 0) | (convex ? DAFT_INSTANCE_CONVEX : 0);
 }
@@ -226,7 +261,9 @@ static void place_entity(const maker *m, uint32_t i)
                                                                               */
     if (!shape) instance->radius = world_radius(&item->world, item->def.radius);
     instance->materials = materials_of(m, item, shape);
-    instance->flags = flags_of(scene, item, instance);
+    const daft_opacity_set *opacity = m->opacity ? m->opacity[i] : NULL;
+    instance->opacity = opacity ? opacity->classes : NULL;
+    instance->flags = flags_of(scene, item, instance, opacity);
 }
 
 static void place_task(void *context, uint32_t task, uint32_t worker)

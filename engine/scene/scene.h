@@ -49,6 +49,15 @@ typedef struct daft_retired {
     void (*free)(const daft_scene *scene, struct daft_retired *item);
 } daft_retired;
 
+/* The opacity classes of a mesh's triangles in some materials (assets/opacity.c). */
+typedef struct daft_opacity_set {
+    daft_retired retired;
+    struct daft_opacity_set *next;
+    uint64_t key, shown; /* by a hash of the materials; scene->walk of the picture that showed it last */
+    uint32_t flags;      /* of instances: how it casts shadows */
+    uint8_t classes[];   /* DAFT_OPACITY_… */
+} daft_opacity_set;
+
 typedef struct daft_mesh_item {
     daft_retired retired;
     uint64_t revision; /* the engine's, when it was made */
@@ -56,9 +65,10 @@ typedef struct daft_mesh_item {
     uint64_t hash;
     daft_trimesh mesh;
     daft_bvh *bvh;
-    daft_kdtree *kdtree; /* NULL: the engine's accelerator is the BVH, and no picture has asked for one */
-    uint32_t *materials; /* index of each slot's material */
-    daft_rig *rig;       /* NULL: it has no clips */
+    daft_kdtree *kdtree;       /* NULL: the engine's accelerator is the BVH, and no picture has asked for one */
+    uint32_t *materials;       /* index of each slot's material */
+    daft_rig *rig;             /* NULL: it has no clips */
+    daft_opacity_set *opacity; /* a list; NULL: no picture has shown it in a material with alpha */
 } daft_mesh_item;
 
 /* A box's mesh, shared by the entities of the same size, gone with the last of them. */
@@ -342,6 +352,13 @@ uint64_t daft_path_hash(const char *path);
 void daft_mesh_drop(daft_scene *scene, uint32_t index);
 /* False: a frame may read it, and memory is out for keeping it until then; it stays. */
 bool daft_texture_drop(daft_scene *scene, uint32_t index);
+
+/* ---- opacity.c ---- */
+
+/* The classes of the mesh in these materials of its slots, some of which blend. NULL: memory is out, and nothing is
+ * known of any triangle. */
+const daft_opacity_set *daft_opacity_find(daft_scene *scene, daft_mesh_item *item, const uint32_t *materials);
+void daft_opacity_free(const daft_scene *scene, daft_mesh_item *item);
 
 /* ---- collect.c ---- */
 

@@ -71,6 +71,14 @@ static inline bool daft_surface_is_textured(const daft_surface *m)
     return m->texture != DAFT_NO_TEXTURE || m->traits & DAFT_TRAIT_MAPS;
 }
 
+/* Whether some of what lies behind may be seen. */
+static inline bool daft_surface_blends(const daft_surface *m) { return m->traits & DAFT_TRAIT_BLEND; }
+
+/* opacity.c. How much of a surface that blends is there at a place of its texture, 0..1: what `vary` finds at a point
+ * whose pixel is smaller than a texel. */
+float daft_surface_opacity(const daft_surface *m, const daft_texture_data *textures, daft_vec2 uv,
+                           daft_texture_filter filter);
+
 typedef struct daft_light_source {
     bool sun;
     bool casts_shadow;

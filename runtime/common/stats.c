@@ -67,14 +67,17 @@ static void put_effect(FILE *out, const daft_effect *effect, double mean_ms, boo
     fprintf(out, "}%s\n", last ? "" : ",");
 }
 
-/* Every field of one type, but those of rays, which have a list of their own. */
+/* Rays of the effects have a list of their own. */
+static bool is_listed_apart(const char *name) { return strstr(name, "_rays") && strcmp(name, "alpha_rays") != 0; }
+
+/* Every field of one type that is not listed apart. */
 static void put_counts(FILE *out, daft_struct which, daft_field_type type, const void *counters)
 {
     uint32_t count;
     const daft_field *fields = daft_fields(which, &count);
     const char *between = "";
     for (uint32_t i = 0; i < count; i++) {
-        if (fields[i].type != type || strstr(fields[i].name, "_rays")) continue;
+        if (fields[i].type != type || is_listed_apart(fields[i].name)) continue;
         const char *from = (const char *)counters + fields[i].offset;
         uint64_t value = 0;
         uint32_t narrow = 0;

@@ -394,5 +394,6 @@ const daft_accel_kernels DAFT_KERNEL(daft_accel) = {closest,
                                                     DAFT_KERNEL(daft_occluded_packet),
                                                     DAFT_KERNEL(daft_closest_stream),
                                                     DAFT_KERNEL(daft_occluded_stream),
+                                                    DAFT_KERNEL(daft_pierce),
                                                     boxes,
                                                     DAFT_KERNEL(daft_bound_all)};

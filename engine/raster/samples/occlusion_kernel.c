@@ -331,5 +331,20 @@ static uint32_t tints(const daft_samples *points, const daft_apex *light, const 
     return c->occluder_count;
 }
 
+static bool under(const daft_samples *points, const daft_apex *light, const daft_tlas *tlas, uint32_t flag,
+                  const uint32_t bits[DAFT_SAMPLES_WORDS], uint32_t out[DAFT_SAMPLES_WORDS], void *memory)
+{
+    cast *c = &((light_scratch *)memory)->cast;
+    uint32_t any = 0;
+    c->flag = flag, c->only = DAFT_NOTHING;
+    if (!cast_begin(c, points, light, tlas, bits)) return false;
+    memcpy(out, bits, DAFT_SAMPLES_WORDS * sizeof out[0]);
+    if (!cast_setup(c)) return true;
+    c->frame_map = view_map_of(&c->view, c->tlas->nodes.items);
+    if (!DAFT_KERNEL(daft_cast_find_occluders)(c, DAFT_MAX_OCCLUDERS, UINT32_MAX)) return true;
+    for (uint32_t word = 0; word < DAFT_SAMPLES_WORDS; word++) any |= out[word] = c->under[word];
+    return any != 0;
+}
+
 const daft_sample_kernels DAFT_KERNEL(daft_samples) = {
-    .scratch_size = (sizeof(light_scratch) + 63) / 64 * 64, .shadows = shadows, .tints = tints};
+    .scratch_size = (sizeof(light_scratch) + 63) / 64 * 64, .shadows = shadows, .tints = tints, .under = under};

@@ -70,12 +70,22 @@ typedef struct ray_queue {
     uint32_t point[STREAM];
 } ray_queue;
 
-static void ask(tile_job *j, ray_queue *q, daft_effect_kind effect, float each, float *open)
+/* What surfaces with alpha leave of a ray, over all colours. */
+static float filtered(tile_job *j, const daft_batch *points, const daft_ray *ray, uint32_t point)
+{
+    const daft_vec3 left = daft_tile_filtered(j, points, point, ray);
+    return left.x == left.y && left.y == left.z ? left.x : (left.x + left.y + left.z) / 3;
+}
+
+static void ask(tile_job *j, const daft_batch *points, ray_queue *q, daft_effect_kind effect, float each, float *open)
 {
     uint32_t stopped[STREAM / 32];
+    const bool filters = j->frame->plan.filters;
     j->r->accel->occluded_stream(j->frame->tlas, q->ray, q->count, stopped);
-    for (uint32_t i = 0; i < q->count; i++)
-        if (!(stopped[i / 32] >> (i % 32) & 1)) open[q->point[i]] += each;
+    for (uint32_t i = 0; i < q->count; i++) {
+        if (stopped[i / 32] >> (i % 32) & 1) continue;
+        open[q->point[i]] += filters ? each * filtered(j, points, &q->ray[i], q->point[i]) : each;
+    }
     j->s->rays_cast[effect] += q->count;
     q->count = 0;
 }
@@ -96,10 +106,10 @@ static void sample(tile_job *j, const daft_batch *points, const daft_light_sourc
             if (!(bits[i / 32] >> (i % 32) & 1)) continue;
             q.point[q.count] = i;
             q.ray[q.count++] = light ? ray_to_light(j, points, i, light, k, salt) : ray_around(j, points, i, k);
-            if (q.count == STREAM) ask(j, &q, effect, 1 / (float)rays, open);
+            if (q.count == STREAM) ask(j, points, &q, effect, 1 / (float)rays, open);
         }
     }
-    if (q.count) ask(j, &q, effect, 1 / (float)rays, open);
+    if (q.count) ask(j, points, &q, effect, 1 / (float)rays, open);
     ran(j, effect);
     book(j, effect);
 }

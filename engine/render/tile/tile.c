@@ -107,12 +107,15 @@ static void light_points(tile_job *j, daft_batch *points, int depth)
         const daft_light_source *light = &snapshot->lights[i];
         if (!may_reach(light, &around)) continue;
         if (j->r->shade->facing(points, light, j->s->lit) == 0) continue;
+        if (points->traits & DAFT_TRAIT_BLEND) daft_tile_skip_holes(j, points);
         ran(j, DAFT_EFFECT_LIGHTING);
         book(j, DAFT_EFFECT_LIGHTING);
         const bool soft = is_soft(j, light);
         if (j->frame->plan.shadows && light->casts_shadow && !soft) daft_tile_shadows(j, points, light);
         const daft_lanes3 *passed =
             j->frame->plan.tints && light->casts_shadow ? daft_tile_tints(j, points, light) : NULL;
+        if (j->frame->plan.filters && light->casts_shadow && !soft)
+            passed = daft_tile_filters(j, points, light, passed);
         if (soft && first) j->r->shade->ambient(points, snapshot->materials, *first);
         if (soft)
             daft_tile_soft_light(j, points, i, passed);

@@ -25,6 +25,7 @@ static void mesh_free(const daft_scene *scene, daft_mesh_item *item)
     daft_kdtree_free(item->kdtree);
     daft_trimesh_free(scene->allocator, &item->mesh);
     daft_rig_free(scene->allocator, item->rig);
+    daft_opacity_free(scene, item);
     daft_release(scene->allocator, item->materials);
     daft_release(scene->allocator, item->path);
     daft_release(scene->allocator, item);
@@ -416,7 +417,7 @@ static daft_texture texture_add(daft_scene *scene, const char *key, const char *
     daft_texture texture = {daft_asset_add(scene, &assets->texture_slots, assets->texture_states)};
     uint32_t index = daft_asset_index(texture.id);
     assets->textures[index] = *data;
-    scene->looks = ++scene->engine->revision;
+    scene->looks = assets->textures[index].revision = ++scene->engine->revision;
     assets->texture_keys[index] = (daft_asset_key){copy, hash};
     daft_map_add(&assets->texture_map, hash, index);
     return texture;
@@ -451,7 +452,7 @@ static daft_texture replace_texture(daft_scene *scene, uint32_t texture, daft_te
     daft_texture_data *place = &scene->assets.textures[daft_asset_index(texture)];
     old->data = *place;
     *place = *data;
-    scene->looks = ++scene->engine->revision;
+    scene->looks = place->revision = ++scene->engine->revision;
     daft_material_refresh(scene, texture);
     daft_scene_touch(scene);
     daft_retire(scene, &old->retired, free_retired_texture);

@@ -52,12 +52,24 @@ static void set_maps(const daft_scene *scene, const daft_material_def *def, daft
     if (def->normal_map.id || def->bump_map.id) s->traits |= DAFT_TRAIT_TANGENT;
 }
 
+/* Its alpha is 1 wherever it is. */
+static bool alpha_is_whole(const daft_scene *scene, const daft_material_def *def)
+{
+    if (def->alpha_map.id) return false; /* which may be a picture's green */
+    const bool has = def->diffuse_map.id && scene->assets.textures[daft_asset_index(def->diffuse_map.id)].has_alpha;
+    return !has && def->opacity >= (def->alpha_mode == DAFT_ALPHA_MASK ? def->alpha_cutoff : 1);
+}
+
 /* A hole is what is seen through: a surface that blends by none or all. */
-static void set_alpha(const daft_material_def *def, daft_surface *s)
+static void set_alpha(const daft_scene *scene, const daft_material_def *def, daft_surface *s)
 {
     s->opacity = def->opacity;
     s->cutoff = def->alpha_mode == DAFT_ALPHA_MASK ? def->alpha_cutoff : 0;
     if (def->alpha_mode == DAFT_ALPHA_OPAQUE) return;
+    if (alpha_is_whole(scene, def)) {
+        s->maps[DAFT_MAP_ALPHA] = DAFT_NO_TEXTURE, s->cutoff = 0, s->opacity = 1;
+        return;
+    }
     s->traits |= DAFT_TRAIT_VARIES | DAFT_TRAIT_BLEND | DAFT_TRAIT_SENDS;
     if (s->maps[DAFT_MAP_ALPHA] != DAFT_NO_TEXTURE) s->traits |= DAFT_TRAIT_MAPS;
 }
@@ -112,7 +124,7 @@ static daft_surface surface_from(const daft_scene *scene, const daft_material_de
         .bump_strength = def->bump_strength,
     };
     set_maps(scene, def, &surface);
-    set_alpha(def, &surface);
+    set_alpha(scene, def, &surface);
     set_physical(def, &surface);
     return surface;
 }

@@ -1,0 +1,136 @@
+/* Light that comes through surfaces with alpha. Each shadow ray is told of all its hits with the instances that have
+ * some (DAFT_INSTANCE_FILTERS_SHADOW); a hit leaves of the light what the surface does not cover, and of what it covers
+ * what its material transmits. The texture is read where the triangle's opacity class does not tell. */
+#include "render/tile/tile.h"
+
+#include "math/trig.h"
+
+#include <math.h>
+
+/* A ray on its way, and what is left of it. In double, so that the order of hits is not seen in the float. */
+typedef struct beam {
+    const tile_job *j;
+    daft_ray ray;
+    uint32_t instance, own; /* where it begins; own: the triangle there, if it leaves that, which then cannot stop it */
+    double left[3];
+    uint32_t reads;
+} beam;
+
+/* As render/surface_kernel.c has it of points. */
+static daft_vec2 sphere_uv(const daft_instance *s, daft_vec3 p)
+{
+    const daft_vec3 from = daft_sub(p, daft_v3(s->to_frame.t[0], s->to_frame.t[1], s->to_frame.t[2]));
+    const daft_vec3 local = daft_normalize(daft_affine_vector(&s->to_object, from));
+    return (daft_vec2){0.5f + (float)(daft_atan2((double)local.z, (double)local.x) / (2 * DAFT_PI)),
+                       0.5f + (float)(daft_asin((double)local.y) / DAFT_PI)};
+}
+
+static daft_vec2 triangle_uv(const daft_trimesh *mesh, const daft_pierced *hit)
+{
+    const uint32_t *corner = &(mesh->uv_indices ? mesh->uv_indices : mesh->indices)[3 * (size_t)hit->triangle];
+    const float weight[3] = {1 - hit->u - hit->v, hit->u, hit->v};
+    daft_vec2 uv = {0, 0};
+    for (int k = 0; k < 3 && mesh->uvs; k++) {
+        if (corner[k] == DAFT_NO_UV) continue;
+        uv.x += mesh->uvs[corner[k]].x * weight[k], uv.y += mesh->uvs[corner[k]].y * weight[k];
+    }
+    return uv;
+}
+
+static float opacity_at(beam *b, const daft_instance *instance, const daft_surface *m, const daft_pierced *hit)
+{
+    const daft_snapshot *s = b->j->snapshot;
+    daft_vec2 uv = {0, 0};
+    if (!daft_surface_blends(m)) return 1;
+    if (m->maps[DAFT_MAP_ALPHA] != DAFT_NO_TEXTURE) {
+        b->reads++;
+        uv = instance->mesh ? triangle_uv(instance->mesh, hit)
+                            : sphere_uv(instance, daft_add(b->ray.origin, daft_scale(b->ray.direction, hit->t)));
+    }
+    return daft_surface_opacity(m, s->textures, uv, s->quality.texture_filter);
+}
+
+static bool meet(void *user, const daft_pierced *hit)
+{
+    beam *b = user;
+    const daft_snapshot *s = b->j->snapshot;
+    const daft_instance *instance = &s->instances[hit->instance];
+    if (hit->instance == b->instance && hit->triangle == b->own) return true;
+    if (instance->opacity && instance->opacity[hit->triangle] == DAFT_OPACITY_OPAQUE) {
+        b->left[0] = b->left[1] = b->left[2] = 0;
+        return false;
+    }
+    const uint32_t slot = instance->mesh && instance->mesh->slots ? instance->mesh->slots[hit->triangle] : 0;
+    const daft_surface *m = &s->materials[instance->materials[slot]];
+    const double there = (double)opacity_at(b, instance, m, hit);
+    b->left[0] *= 1 - there + there * (double)m->transmittance.x;
+    b->left[1] *= 1 - there + there * (double)m->transmittance.y;
+    b->left[2] *= 1 - there + there * (double)m->transmittance.z;
+    return b->left[0] > 0 || b->left[1] > 0 || b->left[2] > 0;
+}
+
+static daft_vec3 lane(const daft_lanes3 *v, uint32_t i) { return daft_v3(v->x[i], v->y[i], v->z[i]); }
+
+daft_vec3 daft_tile_filtered(tile_job *j, const daft_batch *points, uint32_t i, const daft_ray *ray)
+{
+    const bool flat = j->snapshot->instances[points->instance[i]].mesh != NULL;
+    const bool leaves = flat && daft_dot(lane(&points->outward, i), ray->direction) > 0;
+    beam b = {.j = j,
+              .ray = *ray,
+              .instance = points->instance[i],
+              .own = leaves ? points->triangle[i] : UINT32_MAX,
+              .left = {1, 1, 1}};
+    j->r->accel->pierce(j->frame->tlas, ray, meet, &b);
+    j->s->alpha_rays++, j->s->alpha_reads += b.reads;
+    return daft_v3((float)b.left[0], (float)b.left[1], (float)b.left[2]);
+}
+
+/* Of point i: false where nothing of the light is left. */
+static bool filter_point(tile_job *j, const daft_batch *points, uint32_t i, const daft_light_source *light, bool *some)
+{
+    daft_lanes3 *passed = j->s->passed;
+    const daft_vec3 from = lane(&points->shadow_origin, i);
+    const daft_ray ray = {.origin = from,
+                          .direction = light->sun ? light->to_light : daft_sub(light->position, from),
+                          .tmax = light->sun ? INFINITY : 1};
+    const daft_vec3 left = daft_tile_filtered(j, points, i, &ray);
+    if (left.x == 1 && left.y == 1 && left.z == 1) return true;
+    if (!(left.x > 0 || left.y > 0 || left.z > 0)) return false;
+    *some = true;
+    passed->x[i] *= left.x, passed->y[i] *= left.y, passed->z[i] *= left.z;
+    return true;
+}
+
+const daft_lanes3 *daft_tile_filters(tile_job *j, const daft_batch *points, const daft_light_source *light,
+                                     const daft_lanes3 *passed)
+{
+    daft_scratch *s = j->s;
+    const daft_samples samples = daft_samples_of(points);
+    const daft_apex apex = daft_apex_of(light);
+    void *memory = j->r->sample_scratch + j->worker * j->r->sample_kernels->scratch_size;
+    bool some = passed != NULL;
+    if (!j->r->sample_kernels->under(&samples, &apex, j->frame->tlas, DAFT_INSTANCE_FILTERS_SHADOW, s->lit, s->under,
+                                     memory))
+        return passed;
+    if (!passed)
+        for (uint32_t i = 0; i < points->count + 16; i++) s->passed->x[i] = s->passed->y[i] = s->passed->z[i] = 1;
+    daft_cost_add_some(j, points->pixel, s->under, points->count);
+    uint64_t rays = 0;
+    for (uint32_t i = 0; i < points->count; i++) {
+        if (!(s->under[i / 32] >> (i % 32) & 1)) continue;
+        rays++;
+        if (!filter_point(j, points, i, light, &some)) s->lit[i / 32] &= ~(1u << (i % 32));
+    }
+    s->rays_cast[DAFT_EFFECT_SHADOW] += rays, s->shadow_points += rays;
+    ran(j, DAFT_EFFECT_SHADOW);
+    book(j, DAFT_EFFECT_SHADOW);
+    return some ? s->passed : NULL;
+}
+
+/* A hole is not lit. */
+void daft_tile_skip_holes(tile_job *j, const daft_batch *points)
+{
+    uint32_t *lit = j->s->lit;
+    for (uint32_t i = 0; i < points->count; i++)
+        if (points->varying->opacity[i] == 0) lit[i / 32] &= ~(1u << (i % 32));
+}

@@ -1,0 +1,96 @@
+/* Opacity classes of meshes with their materials, kept with the mesh: made when a picture first shows the two together,
+ * again when the texture or what the material says of alpha is another. A mesh keeps SETS of them, and more only if one
+ * picture shows it in more materials. */
+#include "scene/scene.h"
+
+#include <string.h>
+
+enum { SETS = 8 };
+
+/* All that decides a slot's classes. */
+typedef struct slot_key {
+    uint64_t texture; /* its revision; 0: none */
+    daft_vec2 scale, offset;
+    daft_vec3 passes;
+    float opacity, cutoff;
+    uint32_t wrap, channel, blends, unused;
+} slot_key;
+
+static slot_key key_of(const daft_scene *scene, const daft_surface *m)
+{
+    slot_key key;
+    memset(&key, 0, sizeof key);
+    key.passes = m->transmittance;
+    if (!daft_surface_blends(m)) return key;
+    const uint32_t map = m->maps[DAFT_MAP_ALPHA];
+    key.texture = map == DAFT_NO_TEXTURE ? 0 : scene->assets.textures[map].revision;
+    key.scale = m->map_scale, key.offset = m->map_offset;
+    key.opacity = m->opacity, key.cutoff = m->cutoff;
+    key.wrap = m->wrap, key.channel = m->alpha_channel, key.blends = 1;
+    return key;
+}
+
+static uint64_t hash_slots(const daft_scene *scene, const daft_trimesh *mesh, const uint32_t *materials)
+{
+    uint64_t hash = 0;
+    for (uint32_t slot = 0; slot < daft_max_u(mesh->slot_count, 1); slot++) {
+        const slot_key key = key_of(scene, &scene->assets.surfaces[materials[slot]]);
+        hash = daft_hash(&key, sizeof key, hash);
+    }
+    return hash;
+}
+
+static void set_free(const daft_scene *scene, daft_retired *item) { daft_release(scene->allocator, item); }
+
+void daft_opacity_free(const daft_scene *scene, daft_mesh_item *item)
+{
+    for (daft_opacity_set *set = item->opacity, *next; set; set = next) {
+        next = set->next;
+        daft_release(scene->allocator, set);
+    }
+    item->opacity = NULL;
+}
+
+/* Lets the set go that was shown longest ago, unless all have been in this picture. */
+static void make_room(daft_scene *scene, daft_mesh_item *item)
+{
+    uint32_t count = 0;
+    daft_opacity_set **oldest = &item->opacity;
+    for (daft_opacity_set **link = &item->opacity; *link; link = &(*link)->next, count++)
+        if ((*link)->shown < (*oldest)->shown) oldest = link;
+    if (count < SETS || (*oldest)->shown == scene->walk) return;
+    daft_opacity_set *gone = *oldest;
+    *oldest = gone->next;
+    daft_retire(scene, &gone->retired, set_free);
+}
+
+/* All triangles opaque: as if there were no alpha. All clear: there is nothing. */
+static uint32_t flags_of_all(const uint8_t *classes, uint32_t count)
+{
+    uint32_t of[3] = {0, 0, 0};
+    for (uint32_t i = 0; i < count; i++) of[classes[i]]++;
+    if (of[DAFT_OPACITY_OPAQUE] == count) return DAFT_INSTANCE_CASTS_SHADOW;
+    return of[DAFT_OPACITY_CLEAR] == count ? 0 : DAFT_INSTANCE_FILTERS_SHADOW;
+}
+
+const daft_opacity_set *daft_opacity_find(daft_scene *scene, daft_mesh_item *item, const uint32_t *materials)
+{
+    const daft_trimesh *mesh = &item->mesh;
+    const uint64_t key = hash_slots(scene, mesh, materials);
+    for (daft_opacity_set *set = item->opacity; set; set = set->next) {
+        if (set->key != key) continue;
+        set->shown = scene->walk;
+        return set;
+    }
+    daft_opacity_set *set = daft_alloc_zero(scene->allocator, sizeof *set + mesh->triangle_count, 1);
+    if (!set) return NULL;
+    if (!daft_opacity_classify(scene->allocator, mesh, scene->assets.surfaces, materials, scene->assets.textures,
+                               set->classes)) {
+        daft_release(scene->allocator, set);
+        return NULL;
+    }
+    make_room(scene, item);
+    set->key = key, set->shown = scene->walk, set->flags = flags_of_all(set->classes, mesh->triangle_count);
+    set->next = item->opacity, item->opacity = set;
+    return set;
+}

@@ -1,0 +1,578 @@
+/* Shadows of surfaces with alpha: against the same shape cut as geometry, against closed forms, and opacity classes
+ * against many places of each triangle. */
+#include "fixtures.h"
+
+#include "daft.h"
+#include "render/render.h"
+#include "scene/scene.h"
+#include "support_content.h"
+
+#include <math.h>
+
+enum { WIDTH = 160, HEIGHT = 120, TEXELS = 32, PIXELS = WIDTH * HEIGHT };
+
+typedef struct stage {
+    daft_engine *engine;
+    daft_scene *scene;
+    daft_image *image;
+    daft_view view;
+} stage;
+
+/* From above onto a white ground; what hangs over it, from y = 2 on, is not in the picture. */
+static stage stage_with(const daft_engine_def *def)
+{
+    stage s;
+    s.engine = daft_engine_create(def, NULL);
+    s.scene = daft_scene_create(s.engine, NULL);
+    s.image = daft_image_create(s.engine, WIDTH, HEIGHT, NULL);
+    assert_true(s.engine && s.scene && s.image);
+    s.view = daft_default_view();
+    s.view.camera = daft_camera_look_at(daft_dv3(-3, 1.9, 0), daft_dv3(0, 0, 0), 1.2f);
+    s.view.quality.edge_samples = 0;
+    daft_material_def white = daft_default_material_def();
+    white.diffuse = white.ambient = daft_v3(1, 1, 1), white.specular = daft_v3(0, 0, 0);
+    daft_entity_def ground = daft_default_entity_def();
+    ground.shape = DAFT_SHAPE_BOX, ground.size = daft_v3(12, 1, 12), ground.position = daft_dv3(0, -0.5, 0);
+    ground.material = daft_material_create(s.scene, &white, NULL);
+    assert_true(daft_entity_create(s.scene, &ground, NULL).id);
+    daft_scene_set_ambient(s.scene, daft_v3(0.1f, 0.1f, 0.1f));
+    return s;
+}
+
+static stage stage_new(void)
+{
+    daft_engine_def def = daft_default_engine_def();
+    def.threads = 1;
+    return stage_with(&def);
+}
+
+static void stage_free(stage *s)
+{
+    daft_image_destroy(s->image);
+    daft_scene_destroy(s->scene);
+    daft_engine_destroy(s->engine);
+}
+
+static const daft_counters *draw(stage *s, uint8_t *out)
+{
+    daft_error error = {0};
+    if (!daft_render(s->scene, &s->view, s->image, &error)) fail_msg("%s", error.message);
+    memcpy(out, daft_image_pixels(s->image), 4 * PIXELS);
+    return daft_scene_counters(s->scene);
+}
+
+/* ---- a leaf: a fat F of whole texels ---- */
+
+static bool in_leaf(int x, int y) /* y from the top */
+{
+    return (x >= 6 && x < 13 && y >= 3 && y < 29) || (x >= 13 && x < 27 && y >= 3 && y < 10) ||
+           (x >= 13 && x < 22 && y >= 14 && y < 20);
+}
+
+typedef enum leaf_texture { LEAF, WHITE, HALF } leaf_texture;
+
+static daft_texture texture_of(const stage *s, leaf_texture kind, int salt)
+{
+    static uint8_t tga[18 + 4 * TEXELS * TEXELS];
+    char name[32];
+    memset(tga, 255, sizeof tga), memset(tga, 0, 18);
+    tga[2] = 2, tga[12] = tga[14] = TEXELS, tga[16] = 32, tga[17] = 0x28;
+    for (int i = 0; i < TEXELS * TEXELS; i++) {
+        const int there = in_leaf(i % TEXELS, i / TEXELS);
+        tga[18 + 4 * i + 3] = kind == WHITE ? 255 : kind == HALF ? (there ? 128 : 64) : there ? 255 : 0;
+    }
+    snprintf(name, sizeof name, "leaf%d_%d.tga", (int)kind, salt);
+    const daft_texture texture = daft_texture_load(s->scene, write_test_file(name, tga, sizeof tga), NULL);
+    assert_true(texture.id);
+    return texture;
+}
+
+/* The part of a square from (-1, -1) to (1, 1) in its plane, in texels of the picture on it. */
+static daft_mesh square(const stage *s, const int (*parts)[4], uint32_t count)
+{
+    daft_vec3 p[12];
+    daft_vec2 uv[12];
+    uint32_t index[18];
+    for (uint32_t k = 0; k < count; k++)
+        for (uint32_t i = 0; i < 4; i++) {
+            const float u = (float)parts[k][i == 1 || i == 2 ? 2 : 0] / TEXELS,
+                        v = 1 - (float)parts[k][i > 1 ? 1 : 3] / TEXELS;
+            p[4 * k + i] = daft_v3(2 * v - 1, 0, 2 * u - 1), uv[4 * k + i] = (daft_vec2){u, v};
+        }
+    for (uint32_t k = 0; k < 6 * count; k++) index[k] = 4 * (k / 6) + (const uint32_t[]){0, 1, 2, 0, 2, 3}[k % 6];
+    daft_mesh_def def = daft_default_mesh_def();
+    def.positions = p, def.uvs = uv, def.vertex_count = 4 * count, def.indices = index, def.triangle_count = 2 * count;
+    const daft_mesh mesh = daft_mesh_create(s->scene, &def, NULL);
+    assert_true(mesh.id);
+    return mesh;
+}
+
+static const int WHOLE[1][4] = {{0, 0, TEXELS, TEXELS}};
+static const int CUT[3][4] = {{6, 3, 13, 29}, {13, 3, 27, 10}, {13, 14, 22, 20}};
+
+static void hang(const stage *s, daft_mesh mesh, const daft_material_def *look, double height)
+{
+    daft_entity_def def = daft_default_entity_def();
+    def.shape = DAFT_SHAPE_MESH, def.mesh = mesh, def.position = daft_dv3(0.25, height, 0.1);
+    def.material = daft_material_create(s->scene, look, NULL);
+    assert_true(def.material.id && daft_entity_create(s->scene, &def, NULL).id);
+}
+
+static void shine(const stage *s, daft_light_kind kind)
+{
+    daft_light_def def = daft_default_light_def();
+    def.kind = kind, def.position = daft_dv3(0.6, 6, 0.4), def.direction = daft_v3(-0.05f, -1, -0.1f);
+    if (kind == DAFT_LIGHT_SPOT) def.direction = daft_v3(-0.1f, -1, 0);
+    assert_true(daft_light_create(s->scene, &def, NULL).id);
+}
+
+/* Where on the card the shadow ray of a pixel passes, in texels. False: the pixel shows no ground. */
+static bool place_on_card(const stage *s, daft_light_kind kind, int pixel, double *x, double *y)
+{
+    daft_dvec3 at, way;
+    const daft_camera *camera = &s->view.camera;
+    const double right = (pixel % WIDTH + 0.5 - WIDTH / 2.0) / (WIDTH / 2.0) * tan((double)camera->fov / 2),
+                 up = (HEIGHT / 2.0 - pixel / WIDTH - 0.5) / (WIDTH / 2.0) * tan((double)camera->fov / 2);
+    const double pitch = (double)camera->pitch; /* it looks along +X, and down */
+    way = daft_dv3(cos(pitch) + up * sin(pitch), -sin(pitch) + up * cos(pitch), right);
+    if (!(way.y < 0)) return false;
+    at = daft_dadd(daft_dv3(-3, 1.9, 0), daft_dscale(way, 1.9 / -way.y));
+    if (fabs(at.x) > 5.9 || fabs(at.z) > 5.9) return false;
+    const daft_dvec3 to = kind == DAFT_LIGHT_SUN ? daft_dv3(0.05, 1, 0.1) : daft_dsub(daft_dv3(0.6, 6, 0.4), at);
+    at = daft_dadd(at, daft_dscale(to, 2 / to.y));
+    *x = (at.z - 0.1 + 1) / 2 * TEXELS, *y = (1 - (at.x - 0.25 + 1) / 2) * TEXELS;
+    return true;
+}
+
+/* Whether the leaf is the same all over a texel around the place. */
+static bool far_from_outline(double x, double y)
+{
+    const bool here = in_leaf((int)floor(x), (int)floor(y));
+    for (int k = 0; k < 9; k++)
+        if (in_leaf((int)floor(x + k % 3 - 1), (int)floor(y + k / 3 - 1)) != here) return false;
+    return true;
+}
+
+static void leaves_shade_as_cut_geometry(void **unused)
+{
+    (void)unused;
+    static uint8_t masked[4 * PIXELS], cut[4 * PIXELS];
+    static const daft_light_kind KINDS[] = {DAFT_LIGHT_SUN, DAFT_LIGHT_POINT, DAFT_LIGHT_SPOT};
+    for (int k = 0; k < 3; k++) {
+        int dark = 0, differ = 0;
+        for (int shape = 0; shape < 2; shape++) {
+            stage s = stage_new();
+            daft_material_def look = daft_default_material_def();
+            if (!shape)
+                look.diffuse_map = texture_of(&s, LEAF, 0), look.alpha_mode = DAFT_ALPHA_MASK,
+                look.map_wrap = DAFT_WRAP_CLAMP;
+            hang(&s, shape ? square(&s, CUT, 3) : square(&s, WHOLE, 1), &look, 2);
+            shine(&s, KINDS[k]);
+            const daft_counters *c = draw(&s, shape ? cut : masked);
+            assert_true(shape ? c->alpha_rays == 0 && c->alpha_reads == 0
+                              : c->alpha_rays > 500 && c->alpha_reads > 500);
+            for (int i = 0; shape && i < PIXELS; i++) {
+                double x, y;
+                const bool differs = memcmp(&masked[4 * i], &cut[4 * i], 4) != 0;
+                if (!place_on_card(&s, KINDS[k], i, &x, &y)) continue;
+                dark += cut[4 * i] < 128;
+                differ += differs;
+                if (differs && far_from_outline(x, y)) fail_msg("light %d, pixel %d at texel %g, %g", k, i, x, y);
+                if (KINDS[k] == DAFT_LIGHT_SPOT) continue; /* it is dark beside its cone, too */
+                if (far_from_outline(x, y)) assert_true((cut[4 * i] < 128) == in_leaf((int)floor(x), (int)floor(y)));
+            }
+            stage_free(&s);
+        }
+        print_message("light %d: %d pixels in shadow, %d at the outline differ\n", k, dark, differ);
+        assert_true(dark > 500 && differ < dark / 10);
+    }
+}
+
+/* With all texels opaque a mask casts the shadow of no mask, and nobody looks at its alpha. */
+static void a_mask_without_holes_is_none(void **unused)
+{
+    (void)unused;
+    static uint8_t all[4][4 * PIXELS];
+    for (int k = 0; k < 4; k++) {
+        stage s = stage_new();
+        daft_material_def look = daft_default_material_def();
+        look.diffuse_map = texture_of(&s, WHITE, 0);
+        look.alpha_mode = k == 1   ? DAFT_ALPHA_MASK
+                          : k == 2 ? DAFT_ALPHA_BLEND
+                          : k == 3 ? DAFT_ALPHA_MASK
+                                   : DAFT_ALPHA_OPAQUE;
+        if (k == 3) look.alpha_map = texture_of(&s, WHITE, 1); /* whose green it is */
+        hang(&s, square(&s, WHOLE, 1), &look, 2);
+        hang(&s, square(&s, CUT, 3), &look, 0.3);
+        shine(&s, DAFT_LIGHT_POINT);
+        const daft_counters *c = draw(&s, all[k]);
+        assert_true(c->alpha_rays == 0 && c->alpha_reads == 0 && c->shadow_rays > 1000);
+        assert_memory_equal(all[k], all[0], sizeof all[0]);
+        stage_free(&s);
+    }
+}
+
+static float linear_at(const uint8_t *rgba, int x, int y, int channel)
+{
+    return daft_srgb_to_linear((float)rgba[4 * (y * WIDTH + x) + channel] / 255);
+}
+
+/* Light through two layers, of which each covers a part and lets some colour through what it covers: once for each. */
+static void layers_let_light_through(void **unused)
+{
+    (void)unused;
+    static uint8_t open[4 * PIXELS], covered[4 * PIXELS];
+    for (int soft = 0; soft < 2; soft++) {
+        for (int k = 0; k < 2; k++) {
+            stage s = stage_new();
+            daft_material_def look = daft_default_material_def();
+            look.alpha_mode = DAFT_ALPHA_BLEND, look.opacity = 0.25f;
+            if (!soft)
+                look.transmission = 0.5f, look.transmission_tint = daft_v3(1, 0.5f, 0), look.refractive_index = 1;
+            if (k) hang(&s, square(&s, WHOLE, 1), &look, 2), hang(&s, square(&s, WHOLE, 1), &look, 2.2);
+            daft_light_def sun = daft_default_light_def();
+            sun.kind = DAFT_LIGHT_SUN, sun.direction = daft_v3(0.01f, -1, 0.02f), sun.color = daft_v3(0.8f, 0.8f, 0.8f);
+            sun.radius = soft ? 0.02f : 0;
+            assert_true(daft_light_create(s.scene, &sun, NULL).id);
+            const daft_counters *c = draw(&s, k ? covered : open);
+            assert_true(k ? c->alpha_rays > 0 && c->alpha_reads == 0 : c->alpha_rays == 0);
+            stage_free(&s);
+        }
+        for (int channel = 0; channel < 3; channel++) {
+            const float passes = soft ? 0.75f : 0.75f + 0.25f * 0.5f * (1 - 0.5f * (float)channel);
+            const int x = WIDTH / 2, y = HEIGHT / 2;
+            const float lit = linear_at(open, x, y, channel) - 0.1f, left = linear_at(covered, x, y, channel) - 0.1f;
+            assert_true(lit > 0.5f && fabsf(left - lit * passes * passes) < 0.01f);
+        }
+    }
+}
+
+/* ---- determinism ---- */
+
+/* Leaves at random among other things, under a sharp sun and a soft lamp, with ambient occlusion. */
+static void fill(stage *s)
+{
+    const daft_mesh mesh = square(s, WHOLE, 1), rest = square(s, CUT, 3);
+    const daft_texture leaf = texture_of(s, LEAF, 0), half = texture_of(s, HALF, 0);
+    for (int i = 0; i < 30; i++) {
+        daft_material_def look = daft_default_material_def();
+        look.diffuse = look.ambient = random_vec3(0.2f, 1);
+        look.diffuse_map = i % 3 ? leaf : half, look.alpha_mode = i % 3 ? DAFT_ALPHA_MASK : DAFT_ALPHA_BLEND;
+        daft_entity_def def = daft_default_entity_def();
+        def.shape = i % 7 == 6 ? DAFT_SHAPE_SPHERE : DAFT_SHAPE_MESH, def.radius = 0.5f, def.mesh = i % 5 ? mesh : rest;
+        def.position =
+            daft_dv3((double)random_float(-2, 2), (double)random_float(0.2f, 3), (double)random_float(-2, 2));
+        def.rotation = random_rotation(), def.scale = daft_v3(0.6f, 0.6f, 0.6f);
+        def.material = daft_material_create(s->scene, &look, NULL);
+        assert_true(daft_entity_create(s->scene, &def, NULL).id);
+    }
+    shine(s, DAFT_LIGHT_SUN);
+    daft_light_def lamp = daft_default_light_def();
+    lamp.kind = DAFT_LIGHT_POINT, lamp.position = daft_dv3(-2, 4, 3), lamp.radius = 0.3f;
+    assert_true(daft_light_create(s->scene, &lamp, NULL).id);
+    daft_scene_set_ambient_occlusion(s->scene, 1);
+}
+
+static void the_same_bytes_everywhere(void **unused)
+{
+    (void)unused;
+    static const char *const NAMES[] = {NULL, "plain", "sse2", "avx2", "avx512"};
+    static uint8_t first[4 * PIXELS], now[4 * PIXELS];
+    int compared = 0;
+    for (int k = 0; k < 5; k++)
+        for (int way = 0; way < 3; way++) { /* sets of triangles decide the same, however they are looked up */
+            daft_engine_def def = daft_default_engine_def();
+            def.threads = 1 + k, def.isa = NAMES[k], def.accel = way == 1 ? DAFT_ACCEL_KDTREE : DAFT_ACCEL_BVH;
+            daft_engine *engine = daft_engine_create(&def, NULL);
+            if (!engine) continue; /* this processor lacks it */
+            daft_engine_destroy(engine);
+            stage s = stage_with(&def);
+            fixture_seed(91);
+            fill(&s);
+            const daft_counters *c = draw(&s, now);
+            assert_true(c->alpha_rays > 1000 && c->alpha_reads > 1000);
+            if (compared++) assert_memory_equal(first, now, sizeof now);
+            memcpy(first, now, sizeof now);
+            stage_free(&s);
+        }
+    assert_true(compared >= 6);
+}
+
+/* ---- opacity classes ---- */
+
+static daft_texture_data random_texture(int width, int height)
+{
+    daft_allocator allocator = daft_malloc_allocator();
+    daft_texture_data out;
+    uint8_t *rgba = malloc(4 * (size_t)width * (size_t)height);
+    /* patches of nothing and of all, and noise between */
+    const uint32_t salt = random_bits();
+    for (int y = 0; y < height; y++)
+        for (int x = 0; x < width; x++) {
+            const uint32_t patch = ((uint32_t)(x / 9) * 7919u + (uint32_t)(y / 7) * 104729u + salt) * 2654435761u >> 29;
+            rgba[4 * (y * width + x) + 3] = patch < 3 ? 0 : patch < 7 ? 255 : (uint8_t)random_bits();
+        }
+    assert_true(daft_texture_build(&allocator, rgba, width, height, &out, NULL));
+    free(rgba);
+    return out;
+}
+
+/* What many places of each triangle say never differs from its class; and most that could have one do. */
+static void classes_are_right(void **unused)
+{
+    (void)unused;
+    enum { TRIANGLES = 400, PLACES = 60 };
+    int count[3] = {0, 0, 0}, alike = 0;
+    fixture_seed(92);
+    daft_allocator allocator = daft_malloc_allocator();
+    for (int round = 0; round < 24; round++) {
+        fixture_mesh m = mesh_soup(TRIANGLES, 1, 0.2f);
+        daft_texture_data t = random_texture(1 + (int)(random_bits() % 150), 1 + (int)(random_bits() % 150));
+        daft_surface surface = {.texture = 0,
+                                .traits = DAFT_TRAIT_BLEND,
+                                .wrap = (uint32_t)round % 3,
+                                .map_scale = {random_float(-2, 2), random_float(-2, 2)},
+                                .map_offset = {random_float(-3, 3), random_float(-3, 3)},
+                                .opacity = round % 4 ? 1 : random_float(0.4f, 1),
+                                .cutoff = round % 2 ? 0.5f : 0,
+                                .alpha_channel = 3};
+        uint8_t classes[TRIANGLES];
+        daft_vec2 *uvs = malloc(3 * TRIANGLES * sizeof *uvs);
+        for (uint32_t i = 0; i < 3 * TRIANGLES; i++) {
+            const float reach = i / 3 % 2 ? 0.06f : 0.5f;
+            if (i % 3 == 0) uvs[i] = (daft_vec2){random_float(-2, 2), random_float(-2, 2)};
+            if (i % 3)
+                uvs[i] = (daft_vec2){uvs[i - i % 3].x + random_float(-reach, reach),
+                                     uvs[i - i % 3].y + random_float(-reach, reach)};
+        }
+        m.mesh.uvs = uvs, m.mesh.uv_count = 3 * TRIANGLES;
+        assert_true(daft_opacity_classify(&allocator, &m.mesh, &surface, FIXTURE_MATERIAL, &t, classes));
+        for (uint32_t i = 0; i < m.mesh.triangle_count; i++) {
+            int full = 0, none = 0;
+            for (int k = 0; k < PLACES; k++) {
+                float a = random_float(0, 1), b = random_float(0, 1);
+                if (a + b > 1) a = 1 - a, b = 1 - b;
+                if (k < 3) a = k == 1, b = k == 2;
+                const daft_vec2 *c = &uvs[3 * i], at = {c[0].x * (1 - a - b) + c[1].x * a + c[2].x * b,
+                                                        c[0].y * (1 - a - b) + c[1].y * a + c[2].y * b};
+                const float opacity = daft_surface_opacity(&surface, &t, at, DAFT_TEXTURE_TRILINEAR);
+                full += opacity == 1, none += opacity == 0;
+            }
+            if (classes[i] == DAFT_OPACITY_OPAQUE) assert_int_equal(full, PLACES);
+            if (classes[i] == DAFT_OPACITY_CLEAR) assert_int_equal(none, PLACES);
+            count[classes[i]]++, alike += full == PLACES || none == PLACES;
+        }
+        m.mesh.uvs = NULL, m.mesh.uv_count = 0;
+        free(uvs);
+        daft_texture_free(&allocator, &t);
+        mesh_drop(&m);
+    }
+    print_message("mixed %d, opaque %d, clear %d; alike %d\n", count[0], count[1], count[2], alike);
+    assert_true(count[1] > 200 && count[2] > 200 && count[1] + count[2] > alike / 2);
+}
+
+/* What a triangle's class says is what the texture says: without classes the picture is the same. */
+static void classes_spare_reads_alone(void **unused)
+{
+    (void)unused;
+    static uint8_t with[4 * PIXELS], without[4 * PIXELS];
+    enum { SIDE = 16 };
+    uint64_t reads[2];
+    for (int k = 0; k < 2; k++) {
+        stage s = stage_new();
+        daft_vec3 p[SIDE * SIDE];
+        daft_vec2 uv[SIDE * SIDE];
+        uint32_t index[6 * SIDE * SIDE], n = 0;
+        for (uint32_t i = 0; i < SIDE * SIDE; i++) {
+            const float u = (float)(i % SIDE) / (SIDE - 1), v = (float)(i / SIDE) / (SIDE - 1);
+            p[i] = daft_v3(2 * v - 1, 0, 2 * u - 1), uv[i] = (daft_vec2){u, v};
+            if (i % SIDE == SIDE - 1 || i / SIDE == SIDE - 1) continue;
+            for (int c = 0; c < 6; c++) index[n++] = i + (const uint32_t[]){0, 1, SIDE + 1, 0, SIDE + 1, SIDE}[c];
+        }
+        daft_mesh_def def = daft_default_mesh_def();
+        def.positions = p, def.uvs = uv, def.vertex_count = SIDE * SIDE, def.indices = index,
+        def.triangle_count = n / 3;
+        const daft_mesh mesh = daft_mesh_create(s.scene, &def, NULL);
+        daft_material_def look = daft_default_material_def();
+        look.diffuse_map = texture_of(&s, LEAF, 0), look.alpha_mode = DAFT_ALPHA_MASK, look.map_wrap = DAFT_WRAP_CLAMP;
+        hang(&s, mesh, &look, 2);
+        shine(&s, DAFT_LIGHT_POINT);
+        draw(&s, with); /* makes the classes */
+        daft_opacity_set *set = s.scene->assets.meshes[daft_asset_index(mesh.id)]->opacity;
+        assert_true(set && !set->next && set->flags == DAFT_INSTANCE_FILTERS_SHADOW);
+        if (k) memset(set->classes, DAFT_OPACITY_MIXED, n / 3);
+        reads[k] = draw(&s, k ? without : with)->alpha_reads;
+        stage_free(&s);
+    }
+    print_message("texture reads: %llu with classes, %llu without\n", (unsigned long long)reads[0],
+                  (unsigned long long)reads[1]);
+    assert_memory_equal(with, without, sizeof with);
+    assert_true(reads[0] > 0 && reads[0] < reads[1] / 2);
+}
+
+/* Another texture, another cutoff, another scale: other classes, and old ones go. */
+static void classes_follow_materials(void **unused)
+{
+    (void)unused;
+    static uint8_t now[4 * PIXELS], fresh[4 * PIXELS];
+    stage s = stage_new();
+    daft_material_def look = daft_default_material_def();
+    look.diffuse_map = texture_of(&s, LEAF, 0), look.alpha_mode = DAFT_ALPHA_MASK;
+    const daft_mesh mesh = square(&s, WHOLE, 1);
+    daft_entity_def def = daft_default_entity_def();
+    def.shape = DAFT_SHAPE_MESH, def.mesh = mesh, def.position = daft_dv3(0.25, 2, 0.1);
+    def.material = daft_material_create(s.scene, &look, NULL);
+    assert_true(daft_entity_create(s.scene, &def, NULL).id);
+    shine(&s, DAFT_LIGHT_SUN);
+    for (int i = 0; i < 40; i++) {
+        look.map_offset = (daft_vec2){(float)i / 40, 0}, look.alpha_cutoff = i % 2 ? 0.3f : 0.7f;
+        look.alpha_mode = i % 5 == 4 ? DAFT_ALPHA_BLEND : DAFT_ALPHA_MASK;
+        assert_true(daft_material_set(s.scene, def.material, &look, NULL));
+        draw(&s, now);
+        stage other = stage_new();
+        daft_material_def same = look;
+        same.diffuse_map = texture_of(&other, LEAF, 0);
+        hang(&other, square(&other, WHOLE, 1), &same, 2);
+        shine(&other, DAFT_LIGHT_SUN);
+        draw(&other, fresh);
+        stage_free(&other);
+        assert_memory_equal(now, fresh, sizeof now);
+        int sets = 0;
+        for (const daft_opacity_set *o = s.scene->assets.meshes[daft_asset_index(mesh.id)]->opacity; o; o = o->next)
+            sets++;
+        assert_true(sets >= 1 && sets <= 9);
+    }
+    stage_free(&s);
+}
+
+/* A leaf that moves, or whose cutoff does, changes its shadow in a kept picture as in a full one. */
+static void kept_pictures_follow_leaves(void **unused)
+{
+    (void)unused;
+    static uint8_t full[4 * PIXELS], kept[4 * PIXELS];
+    fixture_seed(94);
+    stage s = stage_new();
+    daft_material_def look = daft_default_material_def();
+    look.diffuse_map = texture_of(&s, LEAF, 0), look.alpha_mode = DAFT_ALPHA_MASK;
+    daft_entity_def def = daft_default_entity_def();
+    def.shape = DAFT_SHAPE_MESH, def.mesh = square(&s, WHOLE, 1), def.position = daft_dv3(0.25, 2, 0.1);
+    def.material = daft_material_create(s.scene, &look, NULL), def.scale = daft_v3(0.3f, 1, 0.3f);
+    const daft_entity leaf = daft_entity_create(s.scene, &def, NULL);
+    shine(&s, DAFT_LIGHT_SUN);
+    daft_history *history = daft_history_create(s.engine, NULL);
+    int partly = 0;
+    for (int i = 0; i < 40; i++) {
+        const daft_transform place = {.position = daft_dv3((double)random_float(-1, 1), 2, (double)random_float(-1, 1)),
+                                      .rotation = daft_quat_identity(),
+                                      .scale = def.scale};
+        if (i % 3) assert_true(daft_entity_set_transform(s.scene, leaf, &place, true, NULL));
+        if (i % 4 == 3) look.alpha_cutoff = random_float(0.05f, 0.95f);
+        assert_true(daft_material_set(s.scene, def.material, &look, NULL));
+        s.view.history = history;
+        const uint64_t tiles = draw(&s, kept)->tiles_drawn;
+        s.view.history = NULL;
+        partly += tiles < draw(&s, full)->tiles_drawn;
+        assert_memory_equal(kept, full, sizeof full);
+    }
+    assert_true(partly > 20);
+    daft_history_destroy(history);
+    stage_free(&s);
+}
+
+/* ---- every hit of a ray ---- */
+
+typedef struct found {
+    uint32_t count;
+    daft_pierced hit[512];
+} found;
+
+static bool note(void *user, const daft_pierced *hit)
+{
+    found *f = user;
+    assert_true(f->count < DAFT_COUNT_OF(f->hit));
+    f->hit[f->count++] = *hit;
+    return true;
+}
+
+/* Triangle by triangle, each alone in a tree, by the nearest hit. */
+static void all_hits_are_found(void **unused)
+{
+    (void)unused;
+    enum { TRIANGLES = 120 };
+    fixture_seed(93);
+    int hits = 0;
+    daft_allocator allocator = daft_malloc_allocator();
+    for (int round = 0; round < 6; round++) {
+        fixture_mesh m = mesh_soup(TRIANGLES, 1, 0.8f), one[TRIANGLES];
+        daft_affine place = affine_make(random_rotation(), daft_v3(1, 2, 1), random_vec3(-1, 1));
+        daft_instance all[2] = {instance_make(&m, place), sphere_make(random_vec3(-1, 1), 0.7f)};
+        daft_arena arena;
+        daft_arena_init(&arena, &allocator);
+        all[0].flags = DAFT_INSTANCE_FILTERS_SHADOW, all[1].flags = round % 2 ? DAFT_INSTANCE_FILTERS_SHADOW : 0;
+        const daft_tlas *tlas = daft_tlas_build(&arena, all, 2, NULL), *single[TRIANGLES];
+        uint8_t classes[TRIANGLES];
+        for (uint32_t i = 0; i < m.mesh.triangle_count; i++) {
+            daft_vec3 p[3];
+            const uint32_t index[3] = {0, 1, 2};
+            for (int k = 0; k < 3; k++) {
+                const uint32_t v = m.mesh.indices[3 * i + (uint32_t)k];
+                p[k] = daft_v3(m.mesh.x[v], m.mesh.y[v], m.mesh.z[v]);
+            }
+            one[i] = mesh_make(p, 3, index, 1);
+            daft_instance *alone = daft_arena_alloc(&arena, 1, sizeof *alone);
+            *alone = instance_make(&one[i], place);
+            single[i] = daft_tlas_build(&arena, alone, 1, NULL);
+            classes[i] = random_bits() % 4 ? DAFT_OPACITY_MIXED : DAFT_OPACITY_CLEAR;
+        }
+        if (round % 3 == 0) all[0].opacity = classes;
+        for (int n = 0; n < 200; n++) {
+            const daft_ray ray = {
+                .origin = random_vec3(-3, 3), .direction = random_vec3(-1, 1), .tmax = n % 2 ? INFINITY : 2};
+            found first;
+            for (int isa = 0; isa <= daft_isa_best(); isa++) {
+                const daft_accel_kernels *k = daft_accel_kernels_for(isa);
+                found f = {0};
+                uint32_t spheres = 0;
+                k->pierce(tlas, &ray, note, &f);
+                if (isa == 0) first = f;
+                assert_int_equal(first.count, f.count);
+                assert_memory_equal(first.hit, f.hit, f.count * sizeof f.hit[0]);
+                for (uint32_t i = 0; i < f.count; i++) spheres += f.hit[i].instance == 1;
+                assert_true(spheres <= (round % 2 ? 2u : 0u));
+                uint32_t expected = spheres;
+                for (uint32_t i = 0; i < m.mesh.triangle_count; i++) {
+                    daft_hit hit;
+                    if (all[0].opacity && classes[i] == DAFT_OPACITY_CLEAR) continue;
+                    if (!k->closest(single[i], &ray, UINT32_MAX, &hit)) continue;
+                    uint32_t at = 0;
+                    while (at < f.count && !(f.hit[at].instance == 0 && f.hit[at].triangle == i)) at++;
+                    assert_true(at < f.count && f.hit[at].t == hit.t && f.hit[at].u == hit.u && f.hit[at].v == hit.v);
+                    expected++;
+                }
+                assert_int_equal(expected, f.count);
+            }
+            hits += (int)first.count;
+        }
+        for (uint32_t i = 0; i < m.mesh.triangle_count; i++) mesh_drop(&one[i]);
+        daft_arena_free(&arena);
+        mesh_drop(&m);
+    }
+    print_message("%d hits\n", hits);
+    assert_true(hits > 400);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(leaves_shade_as_cut_geometry),
+        cmocka_unit_test(a_mask_without_holes_is_none),
+        cmocka_unit_test(layers_let_light_through),
+        cmocka_unit_test(the_same_bytes_everywhere),
+        cmocka_unit_test(classes_are_right),
+        cmocka_unit_test(classes_spare_reads_alone),
+        cmocka_unit_test(classes_follow_materials),
+        cmocka_unit_test(kept_pictures_follow_leaves),
+        cmocka_unit_test(all_hits_are_found),
+    };
+    return cmocka_run_group_tests(tests, make_test_folder, remove_test_folder);
+}
