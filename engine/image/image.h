@@ -16,7 +16,8 @@ struct daft_image {
     bool drawing;    /* the target of a daft_render that has not come back */
 };
 
-/* Decodes PNG, JPEG, TGA, BMP, GIF (first frame), PSD, HDR (tone-clamped). At most 16384 pixels a side. */
+/* Decodes PNG, JPEG, TGA, BMP, GIF (first frame), PSD, HDR. At most 16384 pixels a side. As a picture or a texture, an
+ * HDR file ends at white; skies keep its light. */
 bool daft_image_read(const daft_allocator *allocator, const daft_files *files, const char *path, daft_image *out,
                      daft_error *error);
 /* The same from memory; `path` names it in messages. */
@@ -71,7 +72,8 @@ bool daft_texture_decode(const daft_allocator *allocator, const void *bytes, siz
 bool daft_texture_missing(const daft_allocator *allocator, daft_texture_data *out, daft_error *error);
 void daft_texture_free(const daft_allocator *allocator, daft_texture_data *texture);
 
-/* An equirectangular sky in linear light, RGB floats, top row first. */
+/* An equirectangular sky in linear light, RGB floats, top row first. A Radiance file (.hdr) has light above 1, in
+ * steps of 1/256 to 1/128 of a pixel's brightest colour. */
 typedef struct daft_sky_image {
     int width, height;
     float *texels; /* 3·width·height */
@@ -80,7 +82,8 @@ typedef struct daft_sky_image {
 
 bool daft_sky_read(const daft_allocator *allocator, const daft_files *files, const char *path, daft_sky_image *out,
                    daft_error *error);
-/* Over all directions: of at least 256 rows, as far as there are so many. */
+/* Over all directions: of at least 256 rows, as far as there are so many; of all rows where a few texels may outshine
+ * the others. */
 daft_vec3 daft_sky_mean(const daft_sky_image *sky);
 void daft_sky_free(const daft_allocator *allocator, daft_sky_image *sky);
 

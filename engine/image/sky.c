@@ -39,7 +39,7 @@ void daft_sky_free(const daft_allocator *allocator, daft_sky_image *sky)
 
 daft_vec3 daft_sky_mean(const daft_sky_image *sky)
 {
-    const int step = sky->height > 512 ? sky->height / 256 : 1;
+    const int step = sky->height > 512 && !sky->from_stb ? sky->height / 256 : 1; /* from_stb: may hold a sun */
     double sum[3] = {0}, whole = 0;
     for (int y = 0; y < sky->height; y += step) {
         const double weight = daft_cos(DAFT_PI * ((y + 0.5) / sky->height - 0.5)); /* of the row's solid angle */
