@@ -78,12 +78,21 @@ typedef struct daft_sky_image {
     int width, height;
     float *texels; /* 3·width·height */
     bool from_stb; /* texels are what stb_image has made */
+    bool cube; /* instead six faces, one below the other: `width` a side, the outer texels copies of its neighbours' */
 } daft_sky_image;
 
 bool daft_sky_read(const daft_allocator *allocator, const daft_files *files, const char *path, daft_sky_image *out,
                    daft_error *error);
-/* Over all directions: of at least 256 rows, as far as there are so many; of all rows where a few texels may outshine
- * the others. */
+/* Six images: right, left, top, bottom, front, back as seen from within (see daft_scene_set_sky_cube). */
+enum { DAFT_MAX_CUBE_SIDE = 8192 }; /* offsets of floats are 32 bits */
+bool daft_sky_read_cube(const daft_allocator *allocator, const daft_files *files, const char *const paths[6],
+                        daft_sky_image *out, daft_error *error);
+/* The direction, of any length, in which place x, y of a face lies, 0 to 1 from its upper left corner; and the face in
+ * a direction, and where in it. */
+daft_dvec3 daft_cube_direction(int face, double x, double y);
+int daft_cube_face(daft_dvec3 direction, double *x, double *y);
+/* Of no cube, over all directions: of at least 256 rows, as far as there are so many; of all rows where a few texels
+ * may outshine the others. */
 daft_vec3 daft_sky_mean(const daft_sky_image *sky);
 void daft_sky_free(const daft_allocator *allocator, daft_sky_image *sky);
 
