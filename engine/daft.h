@@ -891,6 +891,11 @@ DAFT_API void daft_scene_set_ambient(daft_scene *scene, daft_vec3 color); /* lig
 /* Ambient occlusion: what stands within so many metres of a surface keeps ambient light away from it. 0, the default:
  * nothing does. */
 DAFT_API void daft_scene_set_ambient_occlusion(daft_scene *scene, float distance);
+/* The sky's own light in place of that colour: `strength` (0 to 1e6) times what a white surface sends on of all the sky
+ * above it, to second order in spherical harmonics (Ramamoorthi and Hanrahan, "An Efficient Representation for
+ * Irradiance Environment Maps", 2001). 0, the default: the colour, which daft_scene_set_ambient goes back to. Follows
+ * the sky as it changes; occlusion keeps it away as it does the colour. */
+DAFT_API void daft_scene_set_ambient_sky(daft_scene *scene, float strength);
 
 /* Fog: light from what is seen is lost on its way by exp(-optical depth), and the fog's own colour takes its place. */
 typedef struct daft_fog {
@@ -907,8 +912,30 @@ DAFT_API daft_fog daft_scene_fog(const daft_scene *scene);
 
 DAFT_API void daft_scene_set_sky_color(daft_scene *scene, daft_vec3 color);
 DAFT_API void daft_scene_set_sky_gradient(daft_scene *scene, daft_vec3 zenith, daft_vec3 horizon);
-/* One equirectangular image; u = 0.5 + atan2(dz, dx)/2pi, v = 0.5 + asin(dy)/pi, v = 1 the top row. */
+/* One equirectangular image; u = 0.5 + atan2(dz, dx)/2pi, v = 0.5 + asin(dy)/pi, v = 1 the top row. A Radiance file
+ * (.hdr) keeps its linear light, also above 1; other images are sRGB. */
 DAFT_API bool daft_scene_set_sky_image(daft_scene *scene, const char *path, daft_error *error);
+/* Six square images of one size, up to 8192 pixels a side, in the order right, left, top, bottom, front, back (most
+ * sets name them px nx py ny pz nz), each as it is seen from within: front towards -Z, right towards +X, the lower edge
+ * of top and the upper edge of bottom beside front. */
+DAFT_API bool daft_scene_set_sky_cube(daft_scene *scene, const char *const paths[6], daft_error *error);
+
+/* What a picture makes of light before it is shown: the last step, for the whole picture. */
+typedef enum daft_tone_curve {
+    DAFT_TONE_NONE = 0, /* what is brighter than white is white */
+    DAFT_TONE_ACES,     /* contrasty; bright colours turn white late: Narkowicz's fit of the ACES filmic curve (2015) */
+    DAFT_TONE_AGX       /* soft; bright colours fade to white: Sobotka's AgX, as Wrensch fits it (2023) */
+} daft_tone_curve;
+
+typedef struct daft_exposure {
+    float ev;       /* stops, -24 to 24: light is times 2^ev; automatic: so much brighter than it would be */
+    bool automatic; /* light is metered: the picture's mean of log2 luminance becomes middle grey, 0.18 */
+    daft_tone_curve curve;
+} daft_exposure;
+
+DAFT_API daft_exposure daft_default_exposure(void); /* off: 0 stops, no curve */
+DAFT_API bool daft_scene_set_exposure(daft_scene *scene, const daft_exposure *exposure, daft_error *error);
+DAFT_API daft_exposure daft_scene_exposure(const daft_scene *scene);
 
 /* ---- time -------------------------------------------------------------------------------------------------------- */
 
@@ -1312,6 +1339,7 @@ typedef struct daft_counters {
     /* Frames, since the scene was made, that rebuilt the list of instances and the tree over it: none where nothing has
      * moved or looks different since the frame before, and the camera is where it was. */
     uint64_t instance_updates;
+    double ev; /* the picture's exposure, stops */
     daft_effect effects[DAFT_EFFECT_COUNT];
 } daft_counters;
 
@@ -1343,6 +1371,7 @@ typedef enum daft_struct {
     DAFT_STRUCT_CHARACTER_DEF,
     DAFT_STRUCT_PLAY_DEF,
     DAFT_STRUCT_FOG,
+    DAFT_STRUCT_EXPOSURE,
     DAFT_STRUCT_COUNTERS,
     DAFT_STRUCT_SIM_COUNTERS,
     DAFT_STRUCT_COUNT

@@ -262,6 +262,11 @@ local voice = {}
 ---@field base? number Height in the world at which it has its density (number, m, -1e+06 to 1e+06); 0 unless given
 ---@field glow? number How much of the first sun's colour it has towards that (number, 0 to 1); 0 unless given
 
+---@class daft.exposure.options
+---@field ev? number Light is times 2^ev; where it is metered, so much brighter than it would be (number, stops, -24 to 24); 0 unless given
+---@field auto? boolean Whether light is metered: the picture's mean of log2 luminance becomes middle grey, 0.18; false unless given
+---@field curve? "none"|"aces"|"agx" How light that is brighter than white is shown: as white, or by a film's curve; "none" unless given
+
 ---@class daft.camera.set.options
 ---@field position? daft.vector|daft.entity Where it is; {0, 0, 0} unless given
 ---@field yaw? number 0 looks along +X, positive turns right, towards +Z (number, rad, -1e+06 to 1e+06); 0 unless given
@@ -761,6 +766,10 @@ function daft.ambient(color, occlusion) end
 ---@param options daft.fog.options
 function daft.fog(options) end
 
+---How bright the picture is shown, and by which curve what is brighter than white; an empty table: light as it is.
+---@param options daft.exposure.options
+function daft.exposure(options) end
+
 ---The same sky everywhere.
 ---@param color daft.color
 function daft.sky.color(color) end
@@ -773,6 +782,20 @@ function daft.sky.gradient(zenith, horizon) end
 ---One equirectangular image around the world.
 ---@param options string
 function daft.sky.image(options) end
+
+---Six square images as seen from within (px nx py ny pz nz of most sets): front towards -Z, right towards +X.
+---@param options string
+---@param options2 string
+---@param options22 string
+---@param options222 string
+---@param options2222 string
+---@param options22222 string
+function daft.sky.cube(options, options2, options22, options222, options2222, options22222) end
+
+---The sky's own light, by the direction that a surface faces, in place of daft.ambient's colour; occlusion as there.
+---@param strength? number
+---@param occlusion? number
+function daft.sky.light(strength, occlusion) end
 
 ---From a place to a place; either may be an entity: where it is now. fov is horizontal, in radians.
 ---teleport = true jumps there without a glide.

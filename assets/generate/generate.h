@@ -13,6 +13,7 @@
 bool generate_font(const char *root);
 bool generate_textures(const char *root);
 bool generate_sky(const char *root);
+bool generate_dusk(const char *root);
 bool generate_meshes(const char *root);
 bool generate_hard(const char *root);
 bool generate_forest(const char *root);
@@ -51,6 +52,8 @@ double smoothstep(double low, double high, double x);
 /* Paints size×size pixels with 3×3 samples each and writes a PNG, or a JPEG where the name ends so. */
 bool paint_square(const char *root, const char *path, int size, painter *paint);
 bool write_jpeg(const char *root, const char *path, const picture *p, int quality);
+/* Radiance RGBE, of linear light, three floats a pixel. */
+bool write_hdr(const char *root, const char *path, int width, int height, const float *light);
 
 /* ---- noise (noise.c): all repeat with the given period in lattice cells, so that textures tile ---- */
 

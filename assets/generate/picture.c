@@ -47,6 +47,14 @@ bool write_jpeg(const char *root, const char *path, const picture *p, int qualit
     return close_output(file, path);
 }
 
+bool write_hdr(const char *root, const char *path, int width, int height, const float *light)
+{
+    FILE *file = open_output(root, path);
+    if (!file) return false;
+    stbi_write_hdr_to_func(put_bytes, file, width, height, 3, light);
+    return close_output(file, path);
+}
+
 /* The mean of 3×3 samples inside the pixel whose top left corner is (x, y). */
 static color paint_pixel(painter *paint, int x, int y, int size)
 {

@@ -16,7 +16,8 @@ struct daft_image {
     bool drawing;    /* the target of a daft_render that has not come back */
 };
 
-/* Decodes PNG, JPEG, TGA, BMP, GIF (first frame), PSD, HDR (tone-clamped). At most 16384 pixels a side. */
+/* Decodes PNG, JPEG, TGA, BMP, GIF (first frame), PSD, HDR. At most 16384 pixels a side. As a picture or a texture, an
+ * HDR file ends at white; skies keep its light. */
 bool daft_image_read(const daft_allocator *allocator, const daft_files *files, const char *path, daft_image *out,
                      daft_error *error);
 /* The same from memory; `path` names it in messages. */
@@ -72,16 +73,27 @@ bool daft_texture_decode(const daft_allocator *allocator, const void *bytes, siz
 bool daft_texture_missing(const daft_allocator *allocator, daft_texture_data *out, daft_error *error);
 void daft_texture_free(const daft_allocator *allocator, daft_texture_data *texture);
 
-/* An equirectangular sky in linear light, RGB floats, top row first. */
+/* An equirectangular sky in linear light, RGB floats, top row first. A Radiance file (.hdr) has light above 1, in
+ * steps of 1/256 to 1/128 of a pixel's brightest colour. */
 typedef struct daft_sky_image {
     int width, height;
     float *texels; /* 3·width·height */
     bool from_stb; /* texels are what stb_image has made */
+    bool cube; /* instead six faces, one below the other: `width` a side, the outer texels copies of its neighbours' */
 } daft_sky_image;
 
 bool daft_sky_read(const daft_allocator *allocator, const daft_files *files, const char *path, daft_sky_image *out,
                    daft_error *error);
-/* Over all directions: of at least 256 rows, as far as there are so many. */
+/* Six images: right, left, top, bottom, front, back as seen from within (see daft_scene_set_sky_cube). */
+enum { DAFT_MAX_CUBE_SIDE = 8192 }; /* offsets of floats are 32 bits */
+bool daft_sky_read_cube(const daft_allocator *allocator, const daft_files *files, const char *const paths[6],
+                        daft_sky_image *out, daft_error *error);
+/* The direction, of any length, in which place x, y of a face lies, 0 to 1 from its upper left corner; and the face in
+ * a direction, and where in it. */
+daft_dvec3 daft_cube_direction(int face, double x, double y);
+int daft_cube_face(daft_dvec3 direction, double *x, double *y);
+/* Of no cube, over all directions: of at least 256 rows, as far as there are so many; of all rows where a few texels
+ * may outshine the others. */
 daft_vec3 daft_sky_mean(const daft_sky_image *sky);
 void daft_sky_free(const daft_allocator *allocator, daft_sky_image *sky);
 

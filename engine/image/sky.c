@@ -12,7 +12,8 @@ bool daft_sky_read(const daft_allocator *allocator, const daft_files *files, con
     daft_decoded decoded;
     if (!daft_decode_file(allocator, files, path, &decoded, error)) return false;
     if (decoded.floats) {
-        *out = (daft_sky_image){decoded.width, decoded.height, decoded.floats, true};
+        *out = (daft_sky_image){
+            .width = decoded.width, .height = decoded.height, .texels = decoded.floats, .from_stb = true};
         return true;
     }
     size_t pixels = (size_t)decoded.width * (size_t)decoded.height;
@@ -22,7 +23,7 @@ bool daft_sky_read(const daft_allocator *allocator, const daft_files *files, con
         daft_srgb_table_make(&table);
         for (size_t i = 0; i < pixels; i++)
             for (size_t c = 0; c < 3; c++) texels[3 * i + c] = table.linear[decoded.bytes[4 * i + c]];
-        *out = (daft_sky_image){decoded.width, decoded.height, texels, false};
+        *out = (daft_sky_image){.width = decoded.width, .height = decoded.height, .texels = texels};
     }
     daft_decoded_free(allocator, &decoded);
     return texels || daft_fail_at(error, DAFT_ERROR_MEMORY, path, 0, 0, "out of memory for the sky");
@@ -39,7 +40,7 @@ void daft_sky_free(const daft_allocator *allocator, daft_sky_image *sky)
 
 daft_vec3 daft_sky_mean(const daft_sky_image *sky)
 {
-    const int step = sky->height > 512 ? sky->height / 256 : 1;
+    const int step = sky->height > 512 && !sky->from_stb ? sky->height / 256 : 1; /* from_stb: may hold a sun */
     double sum[3] = {0}, whole = 0;
     for (int y = 0; y < sky->height; y += step) {
         const double weight = daft_cos(DAFT_PI * ((y + 0.5) / sky->height - 0.5)); /* of the row's solid angle */

@@ -53,6 +53,7 @@ void daft_renderer_destroy(daft_renderer *r)
     daft_release(&allocator, r->scratch);
     daft_release(&allocator, r->sample_scratch);
     daft_release(&allocator, r->passed);
+    daft_release(&allocator, r->meter);
     daft_release(&allocator, r->sampled);
     daft_release(&allocator, r->gloss);
     daft_release(&allocator, r->third);
@@ -405,6 +406,12 @@ bool daft_render_frame(daft_renderer *renderer, const daft_snapshot *snapshot, c
 {
     double start = daft_clock_ms();
     uint64_t ticks = daft_clock_ticks();
+    daft_snapshot metered;
+    double metering = 0;
+    if (snapshot->metered) {
+        metered = *snapshot, snapshot = &metered;
+        if (!daft_meter(renderer, &metered, &metering, error)) return false;
+    }
     daft_frame frame = {.renderer = renderer, .snapshot = snapshot, .target = target, .plan = daft_plan_make(snapshot)};
     frame.edge_scale = edge_scale_of(snapshot);
     counters_begin(counters, snapshot, renderer);
@@ -415,6 +422,8 @@ bool daft_render_frame(daft_renderer *renderer, const daft_snapshot *snapshot, c
     counters->tiles_drawn = frame.tiles ? frame.listed : frame.tile_count;
     for (int e = 0; e < DAFT_EFFECT_COUNT && !some; e++) frame.plan.why_not_seen[e] = "nothing has changed";
     sum_effects(&frame, counters, start, ticks);
+    counters->ev = (double)snapshot->tone.ev;
+    counters->effects[DAFT_EFFECT_RESOLVE].ms += metering;
     counters->frame_ms = daft_clock_ms() - start;
     return true;
 }

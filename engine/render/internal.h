@@ -130,6 +130,7 @@ struct daft_renderer {
     uint8_t *apron;    /* the pixels above and below the band */
     uint8_t *smooth;   /* the band's pixels with more samples, until all are drawn */
     uint32_t *corners; /* words of the band's corners (daft_mixed); daft_edges.outline says which there are */
+    struct daft_meter_picture *meter; /* meter.c; NULL until light is metered */
     /* denoise.c: planes of the frame's tiles, and what of these is to be filtered (DAFT_NOISY_…) */
     float *planes;
     uint8_t *noisy;
@@ -171,6 +172,8 @@ enum { DAFT_NOISY_LIGHT = 1, DAFT_NOISY_GLOSS = 2 };
 bool daft_denoise_prepare(daft_frame *frame, daft_error *error);
 bool daft_denoise(daft_frame *frame, daft_error *error);
 size_t daft_denoise_bytes(const daft_renderer *r);
+/* meter.c: makes tone.ev what the picture calls for, by a small one of the same view; counts its time. */
+bool daft_meter(daft_renderer *renderer, daft_snapshot *snapshot, double *ms, daft_error *error);
 /* plan.c */
 daft_plan daft_plan_make(const daft_snapshot *snapshot);
 /* Whether what the pencil may see (the instances in its bins) mirrors; and whether it transmits, or shows in a mirror

@@ -78,7 +78,8 @@ static const char *occlusion_reason(const daft_snapshot *s, bool *run)
     *run = false;
     if (!(s->occlusion > 0)) return "the scene asks for no ambient occlusion";
     if (s->quality.occlusion_samples == 0) return "this quality has no ambient occlusion";
-    if (!(s->ambient.x > 0 || s->ambient.y > 0 || s->ambient.z > 0)) return "the scene has no ambient light";
+    const daft_vec3 a = s->ambient.color;
+    if (!s->ambient.by_normal && !(a.x > 0 || a.y > 0 || a.z > 0)) return "the scene has no ambient light";
     *run = some_flag(s, DAFT_INSTANCE_CASTS_SHADOW | DAFT_INSTANCE_FILTERS_SHADOW);
     return *run ? "a surface is seen" : "nothing visible casts shadows";
 }

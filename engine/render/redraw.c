@@ -223,12 +223,19 @@ static bool same_view(const daft_snapshot *a, const daft_snapshot *b)
            same_floats(&a->up.x, &b->up.x, 3) && same_floats(&a->forward.x, &b->forward.x, 3);
 }
 
+static bool same_ambient(const daft_ambient *a, const daft_ambient *b)
+{
+    return a->by_normal == b->by_normal && same_floats(&a->color.x, &b->color.x, 3) &&
+           same_floats(&a->harmonics[0].x, &b->harmonics[0].x, 3 * DAFT_HARMONICS);
+}
+
 /* What every tile may depend on. */
 static bool same_everywhere(const daft_snapshot *a, const daft_snapshot *b)
 {
-    return a->looks == b->looks && a->occlusion == b->occlusion && same_floats(&a->ambient.x, &b->ambient.x, 3) &&
-           a->light_count == b->light_count && memcmp(&a->air, &b->air, sizeof a->air) == 0 &&
-           same_sky(&a->sky, &b->sky) && same_quality(&a->quality, &b->quality);
+    return a->looks == b->looks && a->occlusion == b->occlusion && same_ambient(&a->ambient, &b->ambient) &&
+           a->tone.ev == b->tone.ev && a->tone.curve == b->tone.curve && a->light_count == b->light_count &&
+           memcmp(&a->air, &b->air, sizeof a->air) == 0 && same_sky(&a->sky, &b->sky) &&
+           same_quality(&a->quality, &b->quality);
 }
 
 static bool same_light(const daft_light_source *a, const daft_light_source *b)

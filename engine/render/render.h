@@ -37,6 +37,12 @@ enum { DAFT_PAST_LIGHT, DAFT_PAST_GLOSS, DAFT_PASTS };
 
 void daft_past_free(daft_past *past, const daft_allocator *allocator);
 
+/* How bright a series of pictures is shown (meter.c). All zero: there was none yet. */
+typedef struct daft_metering {
+    bool some, moving;
+    float ev;
+} daft_metering;
+
 typedef struct daft_kept daft_kept;
 
 typedef struct daft_snapshot {
@@ -55,7 +61,7 @@ typedef struct daft_snapshot {
     const daft_light_source *lights;
     uint32_t light_count;
     bool colors; /* some mesh has colours of its own */
-    daft_vec3 ambient;
+    daft_ambient ambient;
     float occlusion; /* metres within which what stands around keeps ambient light away; 0: nothing does */
     uint32_t seed;   /* of what is sampled */
     daft_air air;
@@ -65,6 +71,11 @@ typedef struct daft_snapshot {
     const daft_affine *before;
     float before_focal;
     daft_past *past; /* DAFT_PASTS: read and, unless this is a band, written while the picture is drawn; NULL: none */
+    daft_tone tone;
+    bool metered;            /* tone.ev is added to what the picture's own light calls for */
+    daft_metering *metering; /* of the pictures before, read and, unless this is a band, written; NULL: there are none
+                              */
+    float elapsed;           /* seconds since the one before */
     daft_kept *kept; /* the same of the picture as it is, so that only what changes is drawn; NULL: all is drawn */
     daft_dvec3 eye;  /* the camera's place in the world, and a revision of the textures and the sky's image: both are
                       * only  compared with those of the picture before */

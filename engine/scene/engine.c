@@ -202,6 +202,7 @@ daft_scene *daft_scene_create(daft_engine *engine, daft_error *error)
     daft_slots_init(&scene->joint_slots);
     scene->ambient = daft_v3(0.2f, 0.2f, 0.2f);
     scene->fog = daft_default_fog();
+    scene->exposure = daft_default_exposure();
     scene->camera = scene->camera_before = daft_default_camera();
     scene->quality = daft_preset_quality(DAFT_PRESET_GAME);
     scene->gravity = daft_v3(0, -9.81f, 0);

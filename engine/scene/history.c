@@ -11,6 +11,8 @@ typedef struct placed {
 struct daft_history {
     daft_past past[DAFT_PASTS]; /* of the renderer */
     daft_kept kept;             /* of the renderer */
+    daft_metering metering;     /* of the renderer */
+    double clock;               /* the scene's, at the last picture */
     uint32_t pictures;
     daft_allocator allocator;
     const daft_scene *scene; /* of the last picture; NULL: there was none */
@@ -49,7 +51,7 @@ void daft_history_forget(daft_history *history)
 {
     if (!history) return;
     history->scene = NULL;
-    history->kept.some = false;
+    history->kept.some = history->metering.some = false;
     for (int i = 0; i < DAFT_PASTS; i++) history->past[i].some = false;
 }
 
@@ -123,6 +125,19 @@ static bool look_back(const daft_history *h, daft_dvec3 origin, daft_snapshot *s
     return true;
 }
 
+/* The scene's clock, between the last two ticks. */
+static double clock_of(const daft_scene *scene, const daft_view *view)
+{
+    return scene->stepped - (1 - (double)view->alpha) * scene->step;
+}
+
+/* By that clock, so that a recording shows the same again; where it stands still, a picture counts as 1/60 s. */
+static float elapsed(const daft_history *h, const daft_scene *scene, const daft_view *view)
+{
+    const double by_clock = clock_of(scene, view) - h->clock;
+    return by_clock > 0 ? (float)fmin(by_clock, 1) : 1.0f / 60;
+}
+
 static bool remember(daft_history *h, const daft_scene *scene, const daft_view *view, const daft_snapshot *s,
                      daft_error *error)
 {
@@ -134,7 +149,7 @@ static bool remember(daft_history *h, const daft_scene *scene, const daft_view *
     h->count = s->instance_count;
     h->origin = view->camera.position, h->fov = view->camera.fov;
     h->right = s->right, h->up = s->up, h->forward = s->forward;
-    h->scene = scene, h->pictures++;
+    h->scene = scene, h->clock = clock_of(scene, view), h->pictures++;
     return true;
 }
 
@@ -143,9 +158,12 @@ bool daft_history_take(daft_history *history, const daft_scene *scene, const daf
 {
     daft_snapshot *s = &frame->snapshot;
     s->before = NULL, s->past = NULL, s->kept = NULL, s->seed = 0;
+    s->metering = NULL, s->elapsed = 0;
     s->eye = view->camera.position, s->looks = scene->looks;
     if (!history) return true;
     for (int i = 0; i < DAFT_PASTS; i++) history->past[i].some &= history->scene == scene;
+    history->metering.some &= history->scene == scene;
+    s->metering = &history->metering, s->elapsed = elapsed(history, scene, view);
     s->past = history->past, s->kept = view->full ? NULL : &history->kept, s->seed = history->pictures;
     if (history->scene == scene && !look_back(history, view->camera.position, s, &frame->lights, error)) return false;
     return s->row_count < s->height || remember(history, scene, view, s, error);

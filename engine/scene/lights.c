@@ -101,7 +101,18 @@ static bool color_or_warn(const daft_scene *scene, const char *name, daft_vec3 c
 
 void daft_scene_set_ambient(daft_scene *scene, daft_vec3 color)
 {
-    if (color_or_warn(scene, "the ambient light's color", color)) scene->ambient = color;
+    if (color_or_warn(scene, "the ambient light's color", color)) scene->ambient = color, scene->ambient_sky = 0;
+}
+
+void daft_scene_set_ambient_sky(daft_scene *scene, float strength)
+{
+    static const char name[] = "the strength of the sky's light";
+    if (!daft_scene_ready_or_warn(scene, name)) return;
+    if (strength >= 0 && strength <= 1e6f)
+        scene->ambient_sky = strength;
+    else
+        daft_warn_at(&scene->engine->log, DAFT_ERROR_ARGUMENT, NULL, 0, 0,
+                     "left as it was: %s is %g; it must be 0 to 1e6", name, (double)strength);
 }
 
 void daft_scene_set_ambient_occlusion(daft_scene *scene, float distance)
@@ -134,11 +145,33 @@ bool daft_scene_set_fog(daft_scene *scene, const daft_fog *fog, daft_error *erro
 
 daft_fog daft_scene_fog(const daft_scene *scene) { return scene ? scene->fog : daft_default_fog(); }
 
-daft_sky_item *daft_sky_item_read(const daft_scene *scene, const char *path, daft_error *error)
+daft_exposure daft_default_exposure(void)
 {
+    daft_exposure exposure;
+    daft_struct_default(DAFT_STRUCT_EXPOSURE, &exposure);
+    return exposure;
+}
+
+bool daft_scene_set_exposure(daft_scene *scene, const daft_exposure *exposure, daft_error *error)
+{
+    daft_error_clear(error);
+    if (!daft_scene_ready(scene, error) || !daft_check_pointer(error, "exposure", exposure) ||
+        !daft_struct_check(DAFT_STRUCT_EXPOSURE, exposure, error))
+        return false;
+    scene->exposure = *exposure;
+    return true;
+}
+
+daft_exposure daft_scene_exposure(const daft_scene *scene) { return scene ? scene->exposure : daft_default_exposure(); }
+
+daft_sky_item *daft_sky_item_read(const daft_scene *scene, const char *const *paths, int count, daft_error *error)
+{
+    const daft_files *files = scene->engine->files;
     daft_sky_item *item = daft_alloc_zero(scene->allocator, 1, sizeof *item);
     if (!item) daft_fail_memory(error, "a sky");
-    if (item && daft_sky_read(scene->allocator, scene->engine->files, path, &item->image, error)) return item;
+    if (item && (count == 6 ? daft_sky_read_cube(scene->allocator, files, paths, &item->image, error)
+                            : daft_sky_read(scene->allocator, files, paths[0], &item->image, error)))
+        return item;
     daft_release(scene->allocator, item);
     return NULL;
 }
@@ -166,12 +199,16 @@ void daft_sky_adopt(daft_scene *scene, daft_sky_item *item)
     let_go_of_sky(scene);
     scene->looks = ++scene->engine->revision;
     scene->sky_item = item;
-    scene->sky = (daft_sky){.kind = DAFT_SKY_IMAGE, .image = &item->image, .mean = daft_sky_mean(&item->image)};
+    scene->harmonics_known = item->image.cube;
+    scene->sky = (daft_sky){.kind = item->image.cube ? DAFT_SKY_CUBE : DAFT_SKY_IMAGE, .image = &item->image};
+    if (item->image.cube) daft_sky_irradiance(&scene->sky, scene->harmonics);
+    scene->sky.mean = item->image.cube ? scene->harmonics[0] : daft_sky_mean(&item->image);
 }
 
 static void set_plain_sky(daft_scene *scene, daft_sky_kind kind, daft_vec3 zenith, daft_vec3 horizon)
 {
     let_go_of_sky(scene);
+    scene->harmonics_known = false;
     /* The integral of what sky_gradient() says, over all directions. */
     const daft_vec3 mean = daft_add(daft_scale(zenith, 3.0f / 5), daft_scale(horizon, 19.0f / 60));
     scene->sky =
@@ -189,15 +226,36 @@ void daft_scene_set_sky_gradient(daft_scene *scene, daft_vec3 zenith, daft_vec3 
         set_plain_sky(scene, DAFT_SKY_GRADIENT, zenith, horizon);
 }
 
-bool daft_scene_set_sky_image(daft_scene *scene, const char *path, daft_error *error)
+bool daft_sky_note_files(daft_scene *scene, const char *const *paths, int count, daft_error *error)
 {
-    daft_error_clear(error);
-    if (!daft_scene_ready(scene, error) || !daft_check_pointer(error, "path", path)) return false;
-    daft_sky_item *item = daft_sky_item_read(scene, path, error);
-    if (item && !daft_scene_note_file(scene, path, error)) {
+    for (int i = 0; i < count; i++)
+        if (!daft_scene_note_file(scene, paths[i], error)) return false;
+    return true;
+}
+
+static bool set_sky_images(daft_scene *scene, const char *const *paths, int count, daft_error *error)
+{
+    daft_sky_item *item = daft_sky_item_read(scene, paths, count, error);
+    if (item && !daft_sky_note_files(scene, paths, count, error)) {
         daft_sky_item_free(scene, item);
         return false;
     }
     if (item) daft_sky_adopt(scene, item);
     return item != NULL;
+}
+
+bool daft_scene_set_sky_image(daft_scene *scene, const char *path, daft_error *error)
+{
+    daft_error_clear(error);
+    return daft_scene_ready(scene, error) && daft_check_pointer(error, "path", path) &&
+           set_sky_images(scene, &path, 1, error);
+}
+
+bool daft_scene_set_sky_cube(daft_scene *scene, const char *const paths[6], daft_error *error)
+{
+    daft_error_clear(error);
+    if (!daft_scene_ready(scene, error) || !daft_check_pointer(error, "paths", paths)) return false;
+    for (int i = 0; i < 6; i++)
+        if (!daft_check_pointer(error, "a path of the six", paths[i])) return false;
+    return set_sky_images(scene, paths, 6, error);
 }

@@ -272,7 +272,12 @@ struct daft_scene {
     daft_animated *animated;    /* all of them */
     uint64_t listings, posings; /* counts lists of instances, and changes of poses that pictures show */
     daft_vec3 ambient;
-    float occlusion; /* metres; 0: none */
+    float occlusion;      /* metres; 0: none */
+    float ambient_sky;    /* the sky's light instead of that colour, so many times; 0: the colour */
+    bool harmonics_known; /* of the present sky: */
+    daft_vec3 harmonics[DAFT_HARMONICS];
+    double stepped, step; /* seconds that were simulated; those of the last step */
+    daft_exposure exposure;
     daft_fog fog;
     daft_sky sky;
     daft_sky_item *sky_item; /* NULL: no image */
@@ -486,7 +491,9 @@ bool daft_lights_reserve(daft_scene *scene, uint32_t more, daft_error *error);
 bool daft_light_check(const daft_light_def *def, daft_error *error);
 daft_light daft_light_insert(daft_scene *scene, const daft_light_def *def); /* room was reserved */
 void daft_sky_adopt(daft_scene *scene, daft_sky_item *item);                /* belongs to the scene from now on */
-daft_sky_item *daft_sky_item_read(const daft_scene *scene, const char *path, daft_error *error);
+/* Of one image, or with `count` 6 of a cube's. */
+daft_sky_item *daft_sky_item_read(const daft_scene *scene, const char *const *paths, int count, daft_error *error);
+bool daft_sky_note_files(daft_scene *scene, const char *const *paths, int count, daft_error *error);
 void daft_sky_item_free(const daft_scene *scene, daft_sky_item *item); /* NULL is fine */
 bool daft_path_reserve(daft_scene *scene, uint32_t more, daft_error *error);
 void daft_path_insert(daft_scene *scene, const daft_checkpoint *point);

@@ -64,10 +64,21 @@ static daft_air air_of(const daft_scene *scene, const daft_view *view, const daf
     return air;
 }
 
-static daft_vec3 ambient_of(const daft_scene *scene, const daft_view *view)
+/* The sky's light is found when it is first asked for. */
+static daft_ambient ambient_of_sky(daft_scene *scene)
 {
-    if (view->without & DAFT_WITHOUT_SHADING) return (daft_vec3){1, 1, 1};
-    return view->without & DAFT_WITHOUT_AMBIENT ? (daft_vec3){0, 0, 0} : scene->ambient;
+    daft_ambient ambient = {.by_normal = true};
+    if (!scene->harmonics_known) daft_sky_irradiance(&scene->sky, scene->harmonics);
+    scene->harmonics_known = true;
+    for (int k = 0; k < DAFT_HARMONICS; k++) ambient.harmonics[k] = daft_scale(scene->harmonics[k], scene->ambient_sky);
+    return ambient;
+}
+
+static daft_ambient ambient_of(daft_scene *scene, const daft_view *view)
+{
+    if (view->without & DAFT_WITHOUT_SHADING) return (daft_ambient){.color = {1, 1, 1}};
+    if (view->without & DAFT_WITHOUT_AMBIENT) return (daft_ambient){0};
+    return scene->ambient_sky > 0 ? ambient_of_sky(scene) : (daft_ambient){.color = scene->ambient};
 }
 
 bool daft_snapshot_fill(daft_scene *scene, const daft_view *view, int width, int height, daft_scene_frame *frame,
@@ -82,6 +93,7 @@ bool daft_snapshot_fill(daft_scene *scene, const daft_view *view, int width, int
     s->ambient = ambient_of(scene, view);
     s->occlusion = view->without & DAFT_WITHOUT_SHADING ? 0 : scene->occlusion;
     s->sky = scene->sky;
+    s->tone = (daft_tone){scene->exposure.ev, scene->exposure.curve}, s->metered = scene->exposure.automatic;
     daft_camera_axes(&view->camera, &s->right, &s->up, &s->forward);
     if (!fill_lights(scene, view, frame, error)) return false;
     s->air = air_of(scene, view, s);

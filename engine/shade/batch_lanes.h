@@ -21,6 +21,8 @@ void DAFT_KERNEL(daft_vary)(daft_batch *batch, const daft_surface *materials, co
 void DAFT_KERNEL(daft_sky_color)(const daft_sky *sky, const daft_lanes3 *direction, uint32_t count, daft_lanes3 *color);
 void DAFT_KERNEL(daft_fog_way)(const daft_air *air, const daft_lanes3 *origin, const daft_lanes3 *direction,
                                const float *length, uint32_t first, uint32_t count, float *through, daft_lanes3 *own);
+void DAFT_KERNEL(daft_tone_light)(const daft_tone *tone, const float *const light[3], uint32_t count,
+                                  float *const out[3]);
 void DAFT_KERNEL(daft_encode)(const float *r, const float *g, const float *b, uint32_t count, uint8_t *rgba);
 void DAFT_KERNEL(daft_decode)(const uint8_t *rgba, uint32_t count, float *r, float *g, float *b);
 

@@ -5,21 +5,40 @@
 #include "shade/kernels.h"
 #include "shade/batch_lanes.h"
 
-DAFT_INLINE vf3 ambient_light(const daft_batch *batch, const material_reader *m, uint32_t i, daft_vec3 color)
+/* Bright suns make the sum of harmonics fall below 0 on the other side. */
+static __attribute__((noinline)) vf3 ambient_by_normal(const daft_batch *batch, uint32_t i, const daft_ambient *ambient)
+{
+    const vf3 n = lanes_load(&batch->normal, i);
+    const vf one = vf_set(1), zero = vf_set(0);
+    const vf factors[DAFT_HARMONICS] = {
+        one, n.x, n.y, n.z, n.x * n.y, n.y * n.z, n.x * n.z, vf_set(3) * n.z * n.z - one, n.x * n.x - n.y * n.y};
+    vf3 sum = {zero, zero, zero};
+    for (int k = 0; k < DAFT_HARMONICS; k++) {
+        const daft_vec3 h = ambient->harmonics[k];
+        sum =
+            (vf3){sum.x + factors[k] * vf_set(h.x), sum.y + factors[k] * vf_set(h.y), sum.z + factors[k] * vf_set(h.z)};
+    }
+    return (vf3){vf_max(sum.x, zero), vf_max(sum.y, zero), vf_max(sum.z, zero)};
+}
+
+DAFT_INLINE vf3 ambient_light(const daft_batch *batch, const material_reader *m, uint32_t i,
+                              const daft_ambient *ambient)
 {
     const bool varies = batch->traits & DAFT_TRAIT_VARIES;
     vf3 reflected =
         varies ? lanes_load(&batch->varying->ambient, i) : times_albedo(batch, i, MATERIAL_COLOR(m, ambient));
     vf3 emitted = varies ? lanes_load(&batch->varying->emission, i) : MATERIAL_COLOR(m, emission);
-    return (vf3){emitted.x + reflected.x * vf_set(color.x), emitted.y + reflected.y * vf_set(color.y),
-                 emitted.z + reflected.z * vf_set(color.z)};
+    vf3 color = {vf_set(ambient->color.x), vf_set(ambient->color.y), vf_set(ambient->color.z)};
+    if (ambient->by_normal) color = ambient_by_normal(batch, i, ambient);
+    return (vf3){emitted.x + reflected.x * color.x, emitted.y + reflected.y * color.y,
+                 emitted.z + reflected.z * color.z};
 }
 
-static void ambient(daft_batch *batch, const daft_surface *materials, daft_vec3 color)
+static void ambient(daft_batch *batch, const daft_surface *materials, const daft_ambient *all)
 {
     for (uint32_t i = 0; i < batch->count; i += DAFT_VL) {
         material_reader m = read_materials(batch, materials, i);
-        lanes_store(&batch->light, i, ambient_light(batch, &m, i, color));
+        lanes_store(&batch->light, i, ambient_light(batch, &m, i, all));
     }
 }
 
@@ -146,7 +165,7 @@ static __attribute__((noinline)) vf3 varying_light(const daft_batch *batch, uint
 }
 
 static void direct_light(daft_batch *batch, const daft_surface *materials, const daft_light_source *source,
-                         const uint32_t lit[DAFT_BATCH_WORDS], const daft_lanes3 *arriving, const daft_vec3 *first)
+                         const uint32_t lit[DAFT_BATCH_WORDS], const daft_lanes3 *arriving, const daft_ambient *first)
 {
     const vf zero = vf_set(0);
     const bool specular = batch->traits & DAFT_TRAIT_SPECULAR, varies = batch->traits & DAFT_TRAIT_VARIES;
@@ -154,7 +173,7 @@ static void direct_light(daft_batch *batch, const daft_surface *materials, const
         vbits bits = bits_at(lit, i);
         if (!bits && !first) continue;
         material_reader m = read_materials(batch, materials, i);
-        vf3 light = first ? ambient_light(batch, &m, i, *first) : lanes_load(&batch->light, i);
+        vf3 light = first ? ambient_light(batch, &m, i, first) : lanes_load(&batch->light, i);
         if (!bits) {
             lanes_store(&batch->light, i, light);
             continue;
@@ -242,6 +261,7 @@ const daft_shade_kernels DAFT_KERNEL(daft_shade) = {
     .fog = DAFT_KERNEL(daft_fog_way),
     .scatter = scatter,
     .scatter_add = scatter_add,
+    .tone = DAFT_KERNEL(daft_tone_light),
     .encode = DAFT_KERNEL(daft_encode),
     .decode = DAFT_KERNEL(daft_decode),
 };

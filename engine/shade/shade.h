@@ -101,7 +101,7 @@ typedef struct daft_air {
     daft_vec3 sun, to_sun;
 } daft_air;
 
-typedef enum daft_sky_kind { DAFT_SKY_COLOR = 0, DAFT_SKY_GRADIENT, DAFT_SKY_IMAGE } daft_sky_kind;
+typedef enum daft_sky_kind { DAFT_SKY_COLOR = 0, DAFT_SKY_GRADIENT, DAFT_SKY_IMAGE, DAFT_SKY_CUBE } daft_sky_kind;
 
 typedef struct daft_sky {
     daft_sky_kind kind;
@@ -109,6 +109,30 @@ typedef struct daft_sky {
     daft_vec3 mean;            /* over all directions */
     const daft_sky_image *image;
 } daft_sky;
+
+/* Light from everywhere, as a white surface sends it on: the same for all normals, or by the normal's x, y, z as
+ * factors of 1, x, y, z, xy, yz, xz, 3z² - 1, x² - y². */
+enum { DAFT_HARMONICS = 9 };
+typedef struct daft_ambient {
+    bool by_normal;
+    daft_vec3 color;
+    daft_vec3 harmonics[DAFT_HARMONICS];
+} daft_ambient;
+
+/* The factors for a sky: of its radiance's spherical harmonics up to the second order, each times what Lambert's cosine
+ * leaves of it, 1, 2/3, 1/4 (Ramamoorthi and Hanrahan, "An Efficient Representation for Irradiance Environment Maps",
+ * SIGGRAPH 2001). Irradiance is pi times their sum. The first factor is the sky's mean. */
+void daft_sky_irradiance(const daft_sky *sky, daft_vec3 harmonics[DAFT_HARMONICS]);
+
+/* What is done to light before it becomes bytes: times 2^ev, then the curve. All 0: nothing. */
+typedef struct daft_tone {
+    float ev;
+    daft_tone_curve curve;
+} daft_tone;
+
+static inline bool daft_tone_changes(const daft_tone *tone) { return tone->ev != 0 || tone->curve != DAFT_TONE_NONE; }
+/* The least light that it shows as white, where it is grey. */
+float daft_tone_white(const daft_tone *tone);
 
 enum {
     DAFT_BATCH = 1024,                 /* points in one batch: a tile's pixels */
@@ -177,7 +201,7 @@ typedef struct daft_shade_kernels {
     void (*vary)(daft_batch *batch, const daft_surface *materials, const daft_texture_data *textures,
                  daft_texture_filter filter, const daft_vary_def *def);
     /* light = emission + ambient. */
-    void (*ambient)(daft_batch *batch, const daft_surface *materials, daft_vec3 ambient);
+    void (*ambient)(daft_batch *batch, const daft_surface *materials, const daft_ambient *ambient);
     /* The least and the largest coordinates of the points, one at least. */
     void (*extent)(const daft_lanes3 *points, uint32_t count, daft_vec3 *low, daft_vec3 *high);
     /* Sets the bits of the points that face the light (their normal's side, inside its range and a spot's cone) and
@@ -187,7 +211,7 @@ typedef struct daft_shade_kernels {
      * `arriving`: the fraction of its light that reaches each point, by colour; NULL: all of it. `first`: the ambient
      * light, for the first light of a batch; does what `ambient` does before it adds; NULL: for later ones. */
     void (*direct_light)(daft_batch *batch, const daft_surface *materials, const daft_light_source *source,
-                         const uint32_t lit[DAFT_BATCH_WORDS], const daft_lanes3 *arriving, const daft_vec3 *first);
+                         const uint32_t lit[DAFT_BATCH_WORDS], const daft_lanes3 *arriving, const daft_ambient *first);
     /* The sky's colour in `count` directions of any length. */
     void (*sky)(const daft_sky *sky, const daft_lanes3 *direction, uint32_t count, daft_lanes3 *color);
     /* What fog does on the way of rays first.. to `count`: the fraction of light that comes through, and the fog's own
@@ -199,6 +223,8 @@ typedef struct daft_shade_kernels {
     void (*scatter)(daft_lanes3 *color, const uint32_t *pixel, uint32_t count, const daft_lanes3 *light);
     void (*scatter_add)(daft_lanes3 *color, const uint32_t *pixel, uint32_t count, const daft_lanes3 *weight,
                         const daft_lanes3 *light);
+    /* The light of `count` pixels as it is shown, up to 1 or more. Writes whole registers; may be done in place. */
+    void (*tone)(const daft_tone *tone, const float *const light[3], uint32_t count, float *const out[3]);
     /* `count` pixels from linear light to sRGB bytes with alpha 255. */
     void (*encode)(const float *r, const float *g, const float *b, uint32_t count, uint8_t *rgba);
     /* The linear light of `count` pixels' bytes. */

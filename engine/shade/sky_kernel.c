@@ -1,4 +1,5 @@
-/* The sky in given directions: one colour, a gradient from horizon to zenith, or an equirectangular image, bilinear. */
+/* The sky in given directions: one colour, a gradient from horizon to zenith, or images, bilinear: one
+ * equirectangular, or the six of a cube. */
 #include "shade/batch_lanes.h"
 
 static void sky_constant(daft_vec3 color, uint32_t count, daft_lanes3 *out)
@@ -118,10 +119,47 @@ static void sky_image(const daft_sky_image *image, const daft_lanes3 *direction,
     }
 }
 
+/* Which of three a lane has: by the largest of x, y, z. */
+DAFT_INLINE vf pick(vm is_x, vm is_y, vf x, vf y, vf z)
+{
+    return vf_if_then_else(is_x, x, vf_if_then_else(is_y, y, z));
+}
+
+/* The faces' places and axes are those of daft_cube_face (image/cube.c). */
+static void sky_cube(const daft_sky_image *image, const daft_lanes3 *direction, uint32_t count, daft_lanes3 *out)
+{
+    const vf zero = vf_set(0), one = vf_set(1), half = vf_set(0.5f * (float)(image->width - 2));
+    const vf last = vf_set((float)(image->width - 2)); /* the last texel that has one beside it */
+    const vi width = vi_set(image->width), three = vi_set(3);
+    for (uint32_t i = 0; i < count; i += DAFT_VL) {
+        const vf3 d = lanes_load(direction, i);
+        const vf ax = vf_abs(d.x), ay = vf_abs(d.y), az = vf_abs(d.z);
+        const vm is_x = vm_and(vf_le(ay, ax), vf_le(az, ax)), is_y = vf_le(az, ay);
+        const vf turn_x = vf_if_then_else(vf_lt(d.x, zero), -one, one),
+                 turn_y = vf_if_then_else(vf_lt(d.y, zero), -one, one),
+                 turn_z = vf_if_then_else(vf_lt(zero, d.z), -one, one);
+        const vf face = pick(is_x, is_y, vf_set(0.5f) - turn_x * vf_set(0.5f), vf_set(2.5f) - turn_y * vf_set(0.5f),
+                             vf_set(4.5f) - turn_z * vf_set(0.5f));
+        const vf depth = pick(is_x, is_y, ax, ay, az);
+        const vf right = pick(is_x, is_y, d.z * turn_x, d.x, d.x * turn_z),
+                 down = pick(is_x, is_y, -d.y, -d.z * turn_y, -d.y);
+        const vf inverse = vf_if_then_else(vf_lt(zero, depth), one / depth, zero);
+        /* Texel 0 is the frame's. NaN directions sample a corner. */
+        const vf x = vf_min(vf_max(half * (right * inverse + one) + vf_set(0.5f), zero), last + vf_set(0.5f)),
+                 y = vf_min(vf_max(half * (down * inverse + one) + vf_set(0.5f), zero), last + vf_set(0.5f));
+        const vf x0 = vf_min(vf_floor(x), last), y0 = vf_min(vf_floor(y), last);
+        const vi row = vi_convert_to(face) * width + vi_convert_to(y0), at = (row * width + vi_convert_to(x0)) * three;
+        const taps t = {at, at + three, at + width * three, at + width * three + three, x - x0, y - y0};
+        lanes_store(out, i, (vf3){fetch(image, &t, 0), fetch(image, &t, 1), fetch(image, &t, 2)});
+    }
+}
+
 void DAFT_KERNEL(daft_sky_color)(const daft_sky *sky, const daft_lanes3 *direction, uint32_t count, daft_lanes3 *color)
 {
     if (sky->kind == DAFT_SKY_IMAGE)
         sky_image(sky->image, direction, count, color);
+    else if (sky->kind == DAFT_SKY_CUBE)
+        sky_cube(sky->image, direction, count, color);
     else if (sky->kind == DAFT_SKY_GRADIENT)
         sky_gradient(sky, direction, count, color);
     else

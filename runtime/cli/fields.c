@@ -96,6 +96,7 @@ static const struct {
              {"sphere", DAFT_STRUCT_ENTITY_DEF, DAFT_SHAPE_SPHERE},
              {"mesh", DAFT_STRUCT_ENTITY_DEF, DAFT_SHAPE_MESH},
              {"fog", DAFT_STRUCT_FOG, 0},
+             {"exposure", DAFT_STRUCT_EXPOSURE, 0},
              {"quality", DAFT_STRUCT_QUALITY, 0}};
 
 /* "light, sun, spot": the items whose kind uses the field. */

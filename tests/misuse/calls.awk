@@ -12,9 +12,10 @@ function word(type) {
 # Splits "const daft_scene *scene" into `type` and `name`.
 function split_parameter(text) {
     text = trim(text)
+    array = sub(/\[[0-9]*\]$/, "", text) # is passed as a pointer
     match(text, /[A-Za-z0-9_]+$/)
     name = substr(text, RSTART)
-    type = trim(substr(text, 1, RSTART - 1))
+    type = trim(substr(text, 1, RSTART - 1)) (array ? " *" : "")
 }
 function emit(declaration,   open, head, list, count, i, result, function_name, arguments, reports, changes, first) {
     sub(/^DAFT_API[ \t]+/, "", declaration)

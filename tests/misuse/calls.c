@@ -409,6 +409,12 @@ static const daft_fog *give_const_daft_fog_p(caller *c)
     return give_struct(c, DAFT_STRUCT_FOG, &fog, false);
 }
 
+static const daft_exposure *give_const_daft_exposure_p(caller *c)
+{
+    daft_exposure exposure = daft_default_exposure();
+    return give_struct(c, DAFT_STRUCT_EXPOSURE, &exposure, false);
+}
+
 static const daft_camera *give_const_daft_camera_p(caller *c)
 {
     daft_camera camera = daft_default_camera();
@@ -651,6 +657,17 @@ static const char *give_const_char_p(caller *c)
     return bad[which - 1];
 }
 
+/* Of the six images of a sky. */
+static const char *const *give_const_char_pconst_p(caller *c)
+{
+    snprintf(c->path, sizeof c->path, "%s/picture.png", c->folder);
+    for (int i = 0; i < 6; i++) c->paths[i] = c->path;
+    const uint32_t which = choose(c, 4);
+    if (which) say(c, which == 3 ? VERDICT_BAD : VERDICT_WRONG);
+    if (which > 1) c->paths[5] = which == 2 ? NULL : "/no/such/folder/file.obj";
+    return which == 1 ? NULL : c->paths;
+}
+
 static void count_problem(void *user, daft_severity severity, const daft_error *problem)
 {
     (void)user, (void)severity, (void)problem;
@@ -813,6 +830,7 @@ TOOK_VALUE(daft_joint_def)
 TOOK_VALUE(daft_light_def)
 TOOK_VALUE(daft_quality)
 TOOK_VALUE(daft_fog)
+TOOK_VALUE(daft_exposure)
 TOOK_VALUE(daft_view)
 TOOK_VALUE(daft_query_filter)
 TOOK_VALUE(daft_volume)
@@ -846,7 +864,7 @@ static void write_picture(const char *folder)
     char path[128];
     daft_engine_def def = daft_default_engine_def();
     daft_engine *engine = daft_engine_create(&def, NULL);
-    daft_image *image = daft_image_create(engine, 2, 1, NULL);
+    daft_image *image = daft_image_create(engine, 2, 2, NULL);
     snprintf(path, sizeof path, "%s/picture.png", folder);
     REQUIRE(daft_image_write(image, path, NULL));
     daft_image_destroy(image);

@@ -33,6 +33,7 @@ typedef struct caller {
     /* The world: */
     daft_engine *engine;
     daft_scene *scene;
+    const char *paths[6];
     daft_image *image;
     daft_history *history;
     daft_files *files;   /* of `folder` */

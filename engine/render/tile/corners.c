@@ -58,6 +58,9 @@ static void shade_fresh(tile_job *j, const daft_pencil *pencil, const uint32_t f
         const uint32_t from = s->fresh.pixel[i];
         s->sum.x[i] = j->color->x[from], s->sum.y[i] = j->color->y[from], s->sum.z[i] = j->color->z[from];
     }
+    if (daft_tone_changes(&j->snapshot->tone))
+        j->r->shade->tone(&j->snapshot->tone, (const float *const[3]){s->sum.x, s->sum.y, s->sum.z}, s->fresh.count,
+                          (float *const[3]){s->sum.x, s->sum.y, s->sum.z});
     j->r->shade->encode(s->sum.x, s->sum.y, s->sum.z, s->fresh.count, (uint8_t *)bytes);
     for (uint32_t i = 0; i < s->fresh.count; i++) {
         const uint32_t place = s->wanted[s->fresh.pixel[i]];

@@ -178,19 +178,20 @@ static const float *lane_of(const daft_lanes3 *v, int c, int y)
     return lanes[c] + y * DAFT_TILE;
 }
 
-static float clamp_unit(float x) { return x > 0 ? (x < 1 ? x : 1) : 0; }
+static float clamp_to(float x, float most) { return x > 0 ? (x < most ? x : most) : 0; }
 
-/* The light that is sharp. Samples are clamped to what a display shows before they are averaged, as without a filter.
- */
+/* The light that is sharp. Samples are clamped to what a display shows before they are averaged, as without a filter;
+ * but the tone is that of the mean, as what is filtered is light. */
 static void keep_sharp(const tile_job *j, size_t row, int y, float share)
 {
     const daft_gloss *g = j->s->gloss;
+    const float white = daft_tone_white(&j->snapshot->tone);
     for (int c = 0; c < 3; c++) {
         const float *color = lane_of(j->color, c, y), *own = g && g->some ? lane_of(&g->sharp, c, y) : NULL;
         float sharp[DAFT_TILE];
         for (int x = 0; x < DAFT_TILE; x++) {
             const float found = own && daft_gloss_is_rough(g, (uint32_t)(y * DAFT_TILE + x)) ? own[x] : color[x];
-            sharp[x] = share < 1 ? clamp_unit(found) : found;
+            sharp[x] = share < 1 ? clamp_to(found, white) : found;
         }
         put(j->frame, SHARP + c, row, sharp, share);
     }

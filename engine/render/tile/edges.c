@@ -104,11 +104,20 @@ static void add(daft_scratch *s, uint32_t at, float x, float y, float z, float r
 static void shade_fresh(refinement *r)
 {
     daft_scratch *s = r->j->s;
+    const daft_tone *tone = &r->j->snapshot->tone;
+    daft_lanes3 *shown = &s->sky_color; /* of no use any more */
     daft_fresh_shade(r->j, &r->pencil);
     for (uint32_t i = 0; i < s->fresh.count; i++) {
         const uint32_t from = s->fresh.pixel[i];
         const daft_lanes3 *color = r->j->color;
-        add(s, s->wanted[from], color->x[from], color->y[from], color->z[from], s->share[from]);
+        shown->x[i] = color->x[from], shown->y[i] = color->y[from], shown->z[i] = color->z[from];
+    }
+    if (daft_tone_changes(tone))
+        r->j->r->shade->tone(tone, (const float *const[3]){shown->x, shown->y, shown->z}, s->fresh.count,
+                             (float *const[3]){shown->x, shown->y, shown->z});
+    for (uint32_t i = 0; i < s->fresh.count; i++) {
+        const uint32_t from = s->fresh.pixel[i];
+        add(s, s->wanted[from], shown->x[i], shown->y[i], shown->z[i], s->share[from]);
     }
     s->fresh.count = 0;
 }

@@ -148,16 +148,16 @@ static void keep(daft_sampled_light *s, const daft_batch *points)
 
 void daft_tile_occlusion(tile_job *j, daft_batch *points)
 {
-    const daft_vec3 none = {0, 0, 0};
+    const daft_ambient none = {0};
     daft_sampled_light *s = j->s->sampled;
     uint32_t all[DAFT_BATCH_WORDS];
     for (uint32_t i = 0; i < DAFT_BATCH_WORDS; i++) {
         const uint32_t left = points->count > 32 * i ? points->count - 32 * i : 0;
         all[i] = left >= 32 ? UINT32_MAX : (1u << left) - 1;
     }
-    j->r->shade->ambient(points, j->snapshot->materials, none);
+    j->r->shade->ambient(points, j->snapshot->materials, &none);
     keep(s, points);
-    j->r->shade->ambient(points, j->snapshot->materials, j->snapshot->ambient);
+    j->r->shade->ambient(points, j->snapshot->materials, &j->snapshot->ambient);
     book(j, DAFT_EFFECT_LIGHTING);
     sample(j, points, NULL, 0, all, s->open);
     move(s, points);

@@ -97,7 +97,7 @@ static void light_points(tile_job *j, daft_batch *points, int depth)
 {
     const daft_snapshot *snapshot = j->snapshot;
     const bool seen = depth == 0;
-    const daft_vec3 *first = &snapshot->ambient;
+    const daft_ambient *first = &snapshot->ambient;
     if (j->s->sampled) j->s->sampled->some = false;
     if (points->traits & (DAFT_TRAIT_TEXTURE | DAFT_TRAIT_VARIES)) read_maps(j, points, depth);
     if (j->frame->plan.occlusion && points->count) daft_tile_occlusion(j, points), first = NULL;
@@ -116,14 +116,14 @@ static void light_points(tile_job *j, daft_batch *points, int depth)
             j->frame->plan.tints && light->casts_shadow ? daft_tile_tints(j, points, light) : NULL;
         if (j->frame->plan.filters && light->casts_shadow && !soft)
             passed = daft_tile_filters(j, points, light, passed);
-        if (soft && first) j->r->shade->ambient(points, snapshot->materials, *first);
+        if (soft && first) j->r->shade->ambient(points, snapshot->materials, first);
         if (soft)
             daft_tile_soft_light(j, points, i, passed);
         else
             j->r->shade->direct_light(points, snapshot->materials, light, j->s->lit, passed, first);
         first = NULL;
     }
-    if (first) j->r->shade->ambient(points, snapshot->materials, *first);
+    if (first) j->r->shade->ambient(points, snapshot->materials, first);
     if (seen && j->frame->plan.fog) daft_fog_points(j, points);
     const bool sampled = j->s->sampled && j->s->sampled->some, filtered = j->frame->plan.denoise && !j->refines;
     if (sampled && filtered) daft_denoise_take(j, points, seen);

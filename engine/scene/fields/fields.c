@@ -22,6 +22,7 @@ static const daft_field_list *const LISTS[DAFT_STRUCT_COUNT] = {
     [DAFT_STRUCT_SIM_COUNTERS] = &daft_sim_counters_fields,
     [DAFT_STRUCT_PLAY_DEF] = &daft_play_fields,
     [DAFT_STRUCT_FOG] = &daft_fog_fields,
+    [DAFT_STRUCT_EXPOSURE] = &daft_exposure_fields,
 };
 
 const daft_field_list *daft_field_list_of(daft_struct which)

@@ -22,7 +22,7 @@ typedef struct daft_field_list {
 extern const daft_field_list daft_engine_fields, daft_material_fields, daft_entity_fields, daft_collider_fields,
     daft_joint_fields, daft_surfaces_fields, daft_camera_fields, daft_light_fields, daft_quality_fields,
     daft_view_fields, daft_query_filter_fields, daft_volume_fields, daft_scan_fields, daft_character_fields,
-    daft_play_fields, daft_fog_fields, daft_counters_fields, daft_sim_counters_fields;
+    daft_play_fields, daft_fog_fields, daft_exposure_fields, daft_counters_fields, daft_sim_counters_fields;
 
 const daft_field_list *daft_field_list_of(daft_struct which);
 

@@ -176,7 +176,7 @@ static void check_whole(const checker *c)
     }
     if (c->refused) return; /* what is missing may be in a line that could not be read */
     if (cameras == 0) tell(c, DAFT_SEVERITY_NOTE, NULL, "no camera: it is seen from the origin, looking along +X");
-    if (entities > 0 && lights == 0 && is_black(c->scene->ambient))
+    if (entities > 0 && lights == 0 && is_black(c->scene->ambient) && !(c->scene->ambient_sky > 0))
         tell(c, DAFT_SEVERITY_WARNING, NULL, "no light, and no ambient light: everything is black");
 }
 

@@ -27,14 +27,16 @@ typedef struct value {
     const char *member;    /* of the item's struct */
     const daft_field *own; /* instead: a field of the item itself */
     const char *path;      /* instead: a path, of what, for messages */
+    int face;              /* of a path, not 0: which of a cube's images after the first */
     bool preset;           /* instead: a preset's name, of which the item's quality begins */
+    bool stops;            /* instead: "auto" or a number of stops, of the item's exposure */
     bool optional;         /* the line may end before it */
     bool not_zero;         /* though the field may be */
     double fraction;       /* not 0: at most the number before it and, left out, this fraction of that */
 } value;
 
 typedef struct form {
-    const char *word;
+    const char *word; /* or two of them */
     daft_scene_item_kind kind;
     daft_struct fields; /* DAFT_STRUCT_COUNT: none */
     size_t offset;      /* of that struct in an item */
@@ -49,6 +51,9 @@ static const daft_field AMBIENT = DAFT_COLOR_ROW(item, ambient, ZERO_OR_MORE, .d
 static const daft_field OCCLUSION = DAFT_ROW(item, occlusion, FROM(0, 1e6), .unit = "m",
                                              .doc = "What stands within this distance keeps ambient light away");
 
+static const daft_field STRENGTH =
+    DAFT_ROW(item, strength, FROM(0, 1e6), .initial = {1}, .doc = "So many times the light of the sky");
+
 static const daft_field ZENITH = DAFT_COLOR_ROW(item, zenith, ZERO_OR_MORE, .doc = "The sky's colour above");
 static const daft_field HORIZON = DAFT_COLOR_ROW(item, horizon, ZERO_OR_MORE, .doc = "And at the horizon");
 
@@ -56,12 +61,14 @@ static const daft_field HORIZON = DAFT_COLOR_ROW(item, horizon, ZERO_OR_MORE, .d
 #define NO_STRUCT     DAFT_STRUCT_COUNT, 0, 0
 #define CAMERA        DAFT_STRUCT_CAMERA, offsetof(item, camera), 0
 #define FOG           DAFT_STRUCT_FOG, offsetof(item, fog), 0
+#define EXPOSURE      DAFT_STRUCT_EXPOSURE, offsetof(item, exposure), 0
 #define QUALITY       DAFT_STRUCT_QUALITY, offsetof(item, quality), 0
 #define LIGHT(kind)   DAFT_STRUCT_LIGHT_DEF, offsetof(item, light), kind
 #define ENTITY(shape) DAFT_STRUCT_ENTITY_DEF, offsetof(item, entity), shape
 /* Each takes the names, the member or what the path is of, and designated initialisers of value. */
 #define FIELD(n, m, ...) {.names = (n), .member = (m), __VA_ARGS__}
 #define PATH(n, of)      {.names = (n), .path = (of)}
+#define FACE(n, k)       {.names = (n), .path = "an image of the cube", .face = (k), .optional = (k) == 1}
 #define PRESET(n)        {.names = (n), .preset = true, .optional = true}
 
 static const form FORMS[] = {
@@ -71,7 +78,8 @@ static const form FORMS[] = {
         FIELD("yaw", "yaw"),
         FIELD("fov", "fov", .optional = true)}},
     {"skybox", DAFT_ITEM_SKYBOX, NO_STRUCT, {
-        PATH("path", "an image")}},
+        PATH("path", "an image"),
+        FACE("left", 1), FACE("top", 2), FACE("bottom", 3), FACE("front", 4), FACE("back", 5)}},
     {"light", DAFT_ITEM_LIGHT, LIGHT(DAFT_LIGHT_POINT), {
         FIELD("x y z", "position"),
         FIELD("r g b", "color")}},
@@ -96,6 +104,12 @@ static const form FORMS[] = {
     {"ambient", DAFT_ITEM_AMBIENT, NO_STRUCT, {
         FIELD("r g b", NULL, .own = &AMBIENT),
         FIELD("occlusion", NULL, .own = &OCCLUSION, .optional = true)}},
+    {"ambient sky", DAFT_ITEM_AMBIENT_SKY, NO_STRUCT, {
+        FIELD("strength", NULL, .own = &STRENGTH, .optional = true),
+        FIELD("occlusion", NULL, .own = &OCCLUSION, .optional = true)}},
+    {"exposure", DAFT_ITEM_EXPOSURE, EXPOSURE, {
+        {.names = "ev", .stops = true},
+        FIELD("curve", "curve", .optional = true)}},
     {"sky", DAFT_ITEM_SKY, NO_STRUCT, {
         FIELD("r g b", NULL, .own = &ZENITH),
         FIELD("hr hg hb", NULL, .own = &HORIZON)}},
@@ -181,14 +195,23 @@ static int next_column(reader *read)
     return (int)(read->text->at - read->text->line_start) + 1;
 }
 
+/* Whether the word comes next, as a word. */
+static bool next_is(daft_scene_text *text, const char *word)
+{
+    const size_t length = strlen(word);
+    if (daft_scene_text_ends(text) || (size_t)(text->end - text->at) < length || memcmp(text->at, word, length) != 0)
+        return false;
+    return text->at + length == text->end || strchr(" \t\r\n#", text->at[length]);
+}
+
 /* A path, joined to the folder of the file that names it. */
-static bool read_path(reader *read, const char *of)
+static bool read_path(reader *read, const char *of, int face)
 {
     daft_token token;
     char what[64], name[MAX_PATH], joined[MAX_PATH];
     snprintf(what, sizeof what, "the path of %s", of);
     if (!daft_scene_text_word(read->text, what, &token)) return false;
-    read->out->column = token.column;
+    if (!face) read->out->column = token.column;
     bool fits = token.length < sizeof name;
     if (fits) {
         memcpy(name, token.text, token.length);
@@ -200,7 +223,25 @@ static bool read_path(reader *read, const char *of)
     size_t size = strlen(joined) + 1;
     char *copy = daft_arena_alloc(read->arena, size, 1);
     if (!copy) return daft_fail_memory(read->text->error, "a scene file's paths");
-    read->out->path = memcpy(copy, joined, size);
+    *(face ? &read->out->faces[face - 1] : &read->out->path) = memcpy(copy, joined, size);
+    return true;
+}
+
+static bool read_stops(reader *read)
+{
+    daft_token token;
+    char range[64];
+    const daft_field *ev = daft_field_find(DAFT_STRUCT_EXPOSURE, "ev");
+    double stops;
+    if (next_is(read->text, "auto")) {
+        daft_scene_text_word(read->text, "auto", &token);
+        read->out->exposure.automatic = true;
+        return true;
+    }
+    daft_field_range(ev, range, sizeof range);
+    if (!daft_scene_text_number(read->text, "ev, a number of stops or auto", ev->min, ev->max, range, &stops))
+        return false;
+    read->out->exposure.ev = (float)stops;
     return true;
 }
 
@@ -262,6 +303,17 @@ static void set_numbers(const daft_field *field, void *out, const double *number
         if (is_angle(field)) scaled[i] *= DEGREE;
     }
     daft_field_set_numbers(field, out, scaled);
+}
+
+static bool read_choice(reader *read, const daft_field *field)
+{
+    daft_token token;
+    daft_error why;
+    char text[LONGEST_OPTION];
+    if (!daft_scene_text_word(read->text, field->name, &token)) return false;
+    snprintf(text, sizeof text, "%.*s", (int)token.length, token.text);
+    return daft_field_parse(field, text, struct_of(read), &why) ||
+           daft_scene_text_fail(read->text, token.column, "%s", why.message);
 }
 
 static bool read_field(reader *read, const value *v)
@@ -368,14 +420,6 @@ static bool read_option(reader *read)
            daft_scene_text_fail(read->text, token.column, "%s", why.message);
 }
 
-/* Whether the word comes next, as a word. */
-static bool next_is(daft_scene_text *text, const char *word)
-{
-    const size_t length = strlen(word);
-    return !daft_scene_text_ends(text) && (size_t)(text->end - text->at) > length &&
-           memcmp(text->at, word, length) == 0 && strchr(" \t\r\n", text->at[length]);
-}
-
 /* "clip NAME" */
 static bool read_clip(reader *read)
 {
@@ -405,6 +449,9 @@ static bool read_options(reader *read)
 static void set_defaults(const reader *read)
 {
     uint32_t count;
+    for (size_t i = 0; i < value_count(read->form); i++)
+        if (read->form->values[i].own)
+            daft_field_set_numbers(read->form->values[i].own, read->out, read->form->values[i].own->initial);
     const daft_field *fields = daft_fields(read->form->fields, &count);
     daft_struct_default(read->form->fields, struct_of(read));
     for (uint32_t i = 0; i < count; i++) {
@@ -412,6 +459,15 @@ static void set_defaults(const reader *read)
         daft_field_set_numbers(&fields[i], struct_of(read), (double[4]){read->form->choice});
         return;
     }
+}
+
+static bool read_value(reader *read, const value *v)
+{
+    const daft_field *field = v->own || v->member ? field_of(read->form, v) : NULL;
+    if (v->path) return read_path(read, v->path, v->face);
+    if (v->preset) return read_preset(read);
+    if (v->stops) return read_stops(read);
+    return field->type == DAFT_FIELD_CHOICE ? read_choice(read, field) : read_field(read, v);
 }
 
 /* The first optional value that is left out ends the numbers; values that follow from the one before it are set. */
@@ -424,7 +480,7 @@ static bool read_values(reader *read)
         if (v->optional && (daft_scene_text_ends(read->text) || option_length(read->text) > 0 ||
                             (read->form->kind == DAFT_ITEM_MESH && next_is(read->text, "clip"))))
             break;
-        if (!(v->path ? read_path(read, v->path) : v->preset ? read_preset(read) : read_field(read, v))) return false;
+        if (!read_value(read, v)) return false;
     }
     if (i < count && read->form->values[i].fraction > 0) {
         double number = read->form->values[i].fraction * read->last;
@@ -444,12 +500,18 @@ static bool fail_unknown(daft_scene_text *text, daft_token word)
                                 known);
 }
 
-static const form *form_of(daft_token word)
+static const form *form_of(daft_scene_text *text, daft_token word)
 {
-    for (size_t i = 0; i < DAFT_COUNT_OF(FORMS); i++)
-        if (strlen(FORMS[i].word) == word.length && memcmp(FORMS[i].word, word.text, word.length) == 0)
-            return &FORMS[i];
-    return NULL;
+    const form *found = NULL;
+    for (size_t i = 0; i < DAFT_COUNT_OF(FORMS); i++) {
+        const char *known = FORMS[i].word;
+        if (strncmp(known, word.text, word.length) != 0) continue;
+        if (known[word.length] == 0) found = &FORMS[i];
+        if (known[word.length] != ' ' || !next_is(text, known + word.length + 1)) continue;
+        daft_scene_text_word(text, "an item", &word);
+        return &FORMS[i];
+    }
+    return found;
 }
 
 bool daft_scene_item_read(daft_scene_text *text, daft_arena *arena, daft_scene_item *out)
@@ -458,7 +520,7 @@ bool daft_scene_item_read(daft_scene_text *text, daft_arena *arena, daft_scene_i
     char usage[LONGEST_FORM];
     text->usage = "an item and its values";
     if (!daft_scene_text_word(text, "an item", &word)) return false;
-    reader read = {.text = text, .arena = arena, .form = form_of(word), .out = out};
+    reader read = {.text = text, .arena = arena, .form = form_of(text, word), .out = out};
     if (!read.form) return fail_unknown(text, word);
     *out = (item){.kind = read.form->kind, .source = text->path, .line = text->line, .column = word.column};
     text->usage = form_text(read.form, usage, sizeof usage);

@@ -12,6 +12,8 @@ typedef enum daft_scene_item_kind {
     DAFT_ITEM_SKYBOX,
     DAFT_ITEM_LIGHT,
     DAFT_ITEM_AMBIENT,
+    DAFT_ITEM_AMBIENT_SKY,
+    DAFT_ITEM_EXPOSURE,
     DAFT_ITEM_FOG,
     DAFT_ITEM_SKY, /* of one colour, or from zenith to horizon */
     DAFT_ITEM_QUALITY,
@@ -37,8 +39,10 @@ typedef struct daft_scene_item {
         daft_quality quality;
         struct {
             daft_vec3 ambient;
-            float occlusion;
+            float occlusion, strength; /* of the sky's light, which is that of DAFT_ITEM_AMBIENT_SKY */
         };
+        daft_exposure exposure;
+        const char *faces[5]; /* the other images of a skybox of six; NULL: it is of one */
         daft_entity_def entity;
         daft_fog fog;
         struct {

@@ -102,13 +102,16 @@ static bool read_file(loader *load, const char *path, const source *parent)
 
 /* ---- assets, then the scene itself ---- */
 
-static bool load_sky(loader *load, const char *path)
+static bool load_sky(loader *load, const item *named)
 {
-    daft_sky_item *sky = daft_sky_item_read(load->scene, path, &load->error);
+    const char *const paths[6] = {named->path,     named->faces[0], named->faces[1],
+                                  named->faces[2], named->faces[3], named->faces[4]};
+    const int count = paths[1] ? 6 : 1;
+    daft_sky_item *sky = daft_sky_item_read(load->scene, paths, count, &load->error);
     if (!sky) return false;
     daft_sky_item_free(load->scene, load->sky);
     load->sky = sky;
-    return daft_scene_note_file(load->scene, path, &load->error);
+    return daft_sky_note_files(load->scene, paths, count, &load->error);
 }
 
 /* Checkpoints ascend, also after those that the scene already has. */
@@ -144,7 +147,7 @@ static bool load_asset(loader *load, item *named)
     daft_scene *scene = load->scene;
     daft_entity_def *entity = &named->entity;
     switch (named->kind) {
-    case DAFT_ITEM_SKYBOX: return load_sky(load, named->path);
+    case DAFT_ITEM_SKYBOX: return load_sky(load, named);
     case DAFT_ITEM_SPHERE:
         entity->material = daft_material_load(scene, named->path, &load->error);
         if (!entity->material.id) return false;
@@ -159,6 +162,8 @@ static bool load_asset(loader *load, item *named)
     case DAFT_ITEM_CAMERA: return daft_check_camera(&load->error, "camera", &named->camera);
     case DAFT_ITEM_PATH: return check_checkpoint(load, named);
     case DAFT_ITEM_AMBIENT:
+    case DAFT_ITEM_AMBIENT_SKY:
+    case DAFT_ITEM_EXPOSURE:
     case DAFT_ITEM_FOG:
     case DAFT_ITEM_SKY:
     case DAFT_ITEM_QUALITY:
@@ -202,6 +207,11 @@ static void insert_entity(daft_scene *scene, item *made)
     made->animated = NULL;
 }
 
+static void set_sky_light(daft_scene *scene, float strength, float occlusion)
+{
+    scene->ambient_sky = strength, scene->occlusion = occlusion;
+}
+
 /* Cannot fail. */
 static void commit(loader *load)
 {
@@ -212,7 +222,12 @@ static void commit(loader *load)
         case DAFT_ITEM_CAMERA: daft_camera_insert(scene, &made->camera); break;
         case DAFT_ITEM_PATH: daft_path_insert(scene, &(daft_checkpoint){made->camera, made->time}); break;
         case DAFT_ITEM_LIGHT: daft_light_insert(scene, &made->light); break;
-        case DAFT_ITEM_AMBIENT: scene->ambient = made->ambient, scene->occlusion = made->occlusion; break;
+        case DAFT_ITEM_AMBIENT:
+            scene->ambient = made->ambient;
+            set_sky_light(scene, 0, made->occlusion);
+            break;
+        case DAFT_ITEM_AMBIENT_SKY: set_sky_light(scene, made->strength, made->occlusion); break;
+        case DAFT_ITEM_EXPOSURE: scene->exposure = made->exposure; break;
         case DAFT_ITEM_FOG: scene->fog = made->fog; break;
         case DAFT_ITEM_SKY: daft_scene_set_sky_gradient(scene, made->zenith, made->horizon); break;
         case DAFT_ITEM_QUALITY: scene->quality = made->quality; break;

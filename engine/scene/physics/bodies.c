@@ -325,6 +325,7 @@ bool daft_scene_step(daft_scene *scene, float dt, daft_error *error)
     if (!daft_scene_ready(scene, error) ||
         !daft_check_range(error, "dt", (double)dt, DAFT_ABOVE_ZERO, 1, "above 0 and at most 1 (seconds)"))
         return false;
+    scene->stepped += (double)dt, scene->step = (double)dt;
     daft_animations_step(scene, dt);
     if (!scene->world) return true;
     if (!daft_world_step(scene->world, dt, error)) return false;

@@ -25,6 +25,8 @@ const api_form api_spot_form = {"light.spot",    "daft.light.spot", DAFT_STRUCT_
 
 const api_form api_fog_form = {"fog", "daft.fog", DAFT_STRUCT_FOG, -1, NULL, 0};
 
+const api_form api_exposure_form = {"exposure", "daft.exposure", DAFT_STRUCT_EXPOSURE, -1, NULL, 0};
+
 /* Changes what the table at `table` names. */
 static void read_light(lua_State *L, host *h, int table, daft_light_def *def)
 {
@@ -139,6 +141,15 @@ static int fog(lua_State *L, host *h)
     return 0;
 }
 
+static int exposure(lua_State *L, host *h)
+{
+    daft_exposure exposure = daft_default_exposure();
+    daft_error error;
+    api_read_struct(L, h, 1, NULL, &api_exposure_form, &exposure);
+    if (!daft_scene_set_exposure(h->def.scene, &exposure, &error)) api_engine_error(L, h, &error);
+    return 0;
+}
+
 static int sky_color(lua_State *L, host *h)
 {
     daft_scene_set_sky_color(h->def.scene, api_color(L, h, 1, "color"));
@@ -162,6 +173,32 @@ static int sky_image(lua_State *L, host *h)
     return 0;
 }
 
+static int sky_cube(lua_State *L, host *h)
+{
+    static const char *const NAMES[6] = {"right", "left", "top", "bottom", "front", "back"};
+    char paths[6][PATH_SIZE];
+    const char *all[6];
+    daft_error error;
+    for (int i = 0; i < 6; i++) {
+        if (!host_find_file(h, api_text(L, h, i + 1, NAMES[i]), paths[i], sizeof paths[i], &error))
+            api_engine_error(L, h, &error);
+        all[i] = paths[i];
+    }
+    if (!daft_scene_set_sky_cube(h->def.scene, all, &error)) api_engine_error(L, h, &error);
+    return 0;
+}
+
+static int sky_light(lua_State *L, host *h)
+{
+    const float strength = lua_isnoneornil(L, 1) ? 1 : api_float(L, h, 1, "strength"),
+                occlusion = lua_isnoneornil(L, 2) ? 0 : api_float(L, h, 2, "occlusion");
+    if (strength < 0 || strength > 1e6f) api_wrong(L, h, 1, "strength", "0 to 1e6");
+    if (occlusion < 0 || occlusion > 1e6f) api_wrong(L, h, 2, "occlusion", "0 to 1e6 metres");
+    daft_scene_set_ambient_sky(h->def.scene, strength);
+    daft_scene_set_ambient_occlusion(h->def.scene, occlusion);
+    return 0;
+}
+
 static const api_function FUNCTIONS[] = {
     {"light.sun", "{...} -> light", "Light from infinitely far.", sun, API_CHANGES},
     {"light.point", "{...} -> light", "Light from a point, equally bright at any distance unless it has a range.",
@@ -178,10 +215,20 @@ static const api_function FUNCTIONS[] = {
      "Light from everywhere; what stands within so many metres of a surface keeps it away (ambient occlusion).",
      ambient, API_CHANGES},
     {"fog", "{...}", "Fog between what is seen and the camera; an empty table takes it away.", fog, API_CHANGES},
+    {"exposure", "{...}",
+     "How bright the picture is shown, and by which curve what is brighter than white; an empty table: light as it is.",
+     exposure, API_CHANGES},
     {"sky.color", "(color)", "The same sky everywhere.", sky_color, API_CHANGES},
     {"sky.gradient", "(zenith, horizon)", "A sky from one colour above to another at the horizon.", sky_gradient,
      API_CHANGES},
     {"sky.image", "(\"file\")", "One equirectangular image around the world.", sky_image, API_CHANGES},
+    {"sky.cube", "(\"right\", \"left\", \"top\", \"bottom\", \"front\", \"back\")",
+     "Six square images as seen from within (px nx py ny pz nz of most sets): front towards -Z, right towards +X.",
+     sky_cube, API_CHANGES},
+    {"sky.light", "([strength [, occlusion]])",
+     "The sky's own light, by the direction that a surface faces, in place of daft.ambient's colour; occlusion as "
+     "there.",
+     sky_light, API_CHANGES},
 };
 
 const api_area api_light = {"Lights and sky", FUNCTIONS, COUNT_OF(FUNCTIONS)};

@@ -369,6 +369,41 @@ static void skies_are_linear(void **unused)
     refuse(write_test_file("cut.hdr", hdr, sizeof hdr - 4), DAFT_ERROR_SYNTAX, "truncated");
 }
 
+/* A row of an HDR file, stored as it is: `bright` at texel `at`, black elsewhere. */
+static size_t put_hdr_row(char *to, int width, int at, const char bright[4])
+{
+    memset(to, 0, 4 * (size_t)width);
+    if (at >= 0) memcpy(to + 4 * at, bright, 4);
+    return 4 * (size_t)width;
+}
+
+/* The mean over the sphere is that over rows weighed by their solid angle; one texel of sun is not overlooked in a tall
+ * image. */
+static void means_of_skies(void **unused)
+{
+    (void)unused;
+    daft_allocator allocator = counting_allocator(&memory);
+    daft_sky_image sky;
+    float texels[3 * 4 * 2] = {0};
+    for (int i = 0; i < 12; i++) texels[i] = 3; /* the upper half */
+    const daft_sky_image half = {.width = 4, .height = 2, .texels = texels};
+    assert_true(fabsf(daft_sky_mean(&half).y - 1.5f) < 1e-6f);
+    enum { W = 4, H = 1026, SUN = 301 };
+    static char file[64 + 4 * W * H];
+    size_t size = (size_t)snprintf(file, sizeof file, "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y %d +X %d\n", H, W);
+    double weights = 0, sun = 0;
+    for (int y = 0; y < H; y++) {
+        const double weight = sin(DAFT_PI * (y + 0.5) / H);
+        weights += W * weight, sun += y == SUN ? weight * 512 : 0;
+        size += put_hdr_row(file + size, W, y == SUN ? 2 : -1, "\x80\x40\x20\x8a");
+    }
+    assert_true(daft_sky_read(&allocator, NULL, write_test_file("sun.hdr", file, size), &sky, NULL));
+    assert_true(sky.texels[3 * (SUN * W + 2)] == 512);
+    assert_true(fabs((double)daft_sky_mean(&sky).x / (sun / weights) - 1) < 1e-6);
+    daft_sky_free(&allocator, &sky);
+    assert_int_equal(memory.live, 0);
+}
+
 static void real_files(void **unused)
 {
     (void)unused;
@@ -529,6 +564,7 @@ int main(void)
         cmocka_unit_test(one_colour_stays_that_colour),
         cmocka_unit_test(the_missing_texture_is_a_checker),
         cmocka_unit_test(skies_are_linear),
+        cmocka_unit_test(means_of_skies),
         cmocka_unit_test(real_files),
         cmocka_unit_test(memory_may_run_out_anywhere),
         cmocka_unit_test(what_is_too_large_is_not_decoded),

@@ -31,6 +31,7 @@ static const daft_field ROWS[] = {
     ROW(poses, .doc = "Clips sampled and skins moved, for pictures and for rays, since the scene was made"),
     ROW(poses_unseen, .doc = "Poses that pictures went without, since nothing that the clips reach was in sight"),
     ROW(instance_updates, .doc = "Frames since the scene was made that rebuilt the list of instances"),
+    ROW(ev, .unit = "stops", .doc = "The picture's exposure: light was times 2^ev"),
     DAFT_OTHER_ROW(daft_counters, effects,
                    .doc = "What each effect did: whether it ran, why, its tiles, rays, bytes, ms"),
 };
