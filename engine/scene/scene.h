@@ -54,6 +54,7 @@ typedef struct daft_opacity_set {
     daft_retired retired;
     struct daft_opacity_set *next;
     uint64_t key, shown; /* by a hash of the materials; scene->walk of the picture that showed it last */
+    uint64_t textures;   /* of which it is made: a bit of each revision, modulo 64 */
     uint32_t flags;      /* of instances: how it casts shadows */
     uint8_t classes[];   /* DAFT_OPACITY_… */
 } daft_opacity_set;
@@ -364,6 +365,9 @@ bool daft_texture_drop(daft_scene *scene, uint32_t index);
  * known of any triangle. */
 const daft_opacity_set *daft_opacity_find(daft_scene *scene, daft_mesh_item *item, const uint32_t *materials);
 void daft_opacity_free(const daft_scene *scene, daft_mesh_item *item);
+/* A texture goes: so does what was made of it. */
+void daft_opacity_forget(daft_scene *scene, uint64_t revision);
+size_t daft_opacity_bytes(const daft_mesh_item *item);
 
 /* ---- collect.c ---- */
 

@@ -274,6 +274,7 @@ static daft_mesh_item *mesh_replace(daft_scene *scene, daft_mesh mesh, daft_erro
     memcpy(item->materials, old->materials, daft_max_u(old->mesh.slot_count, 1) * sizeof *item->materials);
     item->path = old->path, item->hash = old->hash;
     old->path = NULL;
+    item->opacity = old->opacity, old->opacity = NULL;
     *place = item;
     daft_retire(scene, &old->retired, free_retired_mesh);
     return item;
@@ -319,7 +320,7 @@ bool daft_mesh_get_info(daft_scene *scene, daft_mesh mesh, daft_mesh_info *info,
                              .high = item->mesh.high,
                              .bytes = daft_trimesh_bytes(&item->mesh) + daft_bvh_bytes(item->bvh) +
                                       (item->kdtree ? daft_kdtree_bytes(item->kdtree) : 0) +
-                                      (item->rig ? daft_rig_bytes(item->rig) : 0),
+                                      (item->rig ? daft_rig_bytes(item->rig) : 0) + daft_opacity_bytes(item),
                              .clip_count = item->rig ? item->rig->clip_count : 0};
     return true;
 }
@@ -434,6 +435,7 @@ bool daft_texture_drop(daft_scene *scene, uint32_t index)
     daft_texture_item *old = daft_alloc_zero(scene->allocator, 1, sizeof *old);
     if (!old) return false;
     old->data = scene->assets.textures[index];
+    daft_opacity_forget(scene, old->data.revision);
     scene->looks = ++scene->engine->revision;
     texture_forget(scene, index);
     daft_retire(scene, &old->retired, free_retired_texture);
@@ -451,6 +453,7 @@ static daft_texture replace_texture(daft_scene *scene, uint32_t texture, daft_te
     }
     daft_texture_data *place = &scene->assets.textures[daft_asset_index(texture)];
     old->data = *place;
+    daft_opacity_forget(scene, old->data.revision);
     *place = *data;
     scene->looks = place->revision = ++scene->engine->revision;
     daft_material_refresh(scene, texture);

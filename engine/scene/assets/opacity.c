@@ -1,6 +1,6 @@
 /* Opacity classes of meshes with their materials, kept with the mesh: made when a picture first shows the two together,
- * again when the texture or what the material says of alpha is another. A mesh keeps SETS of them, and more only if one
- * picture shows it in more materials. */
+ * again when the texture or what the material says of alpha is another; gone with either. A mesh keeps SETS of them,
+ * and more only if one picture shows it in more materials. */
 #include "scene/scene.h"
 
 #include <string.h>
@@ -30,12 +30,17 @@ static slot_key key_of(const daft_scene *scene, const daft_surface *m)
     return key;
 }
 
-static uint64_t hash_slots(const daft_scene *scene, const daft_trimesh *mesh, const uint32_t *materials)
+static uint64_t texture_bit(uint64_t revision) { return (uint64_t)(revision != 0) << (revision % 64); }
+
+/* And the bits of the textures. */
+static uint64_t hash_slots(const daft_scene *scene, const daft_trimesh *mesh, const uint32_t *materials,
+                           uint64_t *textures)
 {
     uint64_t hash = 0;
+    *textures = 0;
     for (uint32_t slot = 0; slot < daft_max_u(mesh->slot_count, 1); slot++) {
         const slot_key key = key_of(scene, &scene->assets.surfaces[materials[slot]]);
-        hash = daft_hash(&key, sizeof key, hash);
+        hash = daft_hash(&key, sizeof key, hash), *textures |= texture_bit(key.texture);
     }
     return hash;
 }
@@ -51,6 +56,42 @@ void daft_opacity_free(const daft_scene *scene, daft_mesh_item *item)
     item->opacity = NULL;
 }
 
+/* Frames that are not taken may be shown again: none may have it. */
+static void let_go(daft_scene *scene, daft_opacity_set **link)
+{
+    daft_opacity_set *gone = *link;
+    *link = gone->next;
+    daft_scene_touch(scene);
+    daft_retire(scene, &gone->retired, set_free);
+}
+
+static void forget_texture(daft_scene *scene, daft_mesh_item *item, uint64_t bit)
+{
+    for (daft_opacity_set **link = &item->opacity; *link;)
+        if ((*link)->textures & bit)
+            let_go(scene, link);
+        else
+            link = &(*link)->next;
+}
+
+void daft_opacity_forget(daft_scene *scene, uint64_t revision)
+{
+    const daft_assets *assets = &scene->assets;
+    const uint64_t bit = texture_bit(revision);
+    for (uint32_t i = 0; i < assets->mesh_slots.count; i++)
+        if (assets->meshes[i]) forget_texture(scene, assets->meshes[i], bit);
+    for (uint32_t i = 0; i < assets->box_slots.count; i++)
+        if (assets->boxes[i]) forget_texture(scene, &assets->boxes[i]->shape, bit);
+}
+
+size_t daft_opacity_bytes(const daft_mesh_item *item)
+{
+    size_t bytes = 0;
+    for (const daft_opacity_set *set = item->opacity; set; set = set->next)
+        bytes += sizeof *set + item->mesh.triangle_count;
+    return bytes;
+}
+
 /* Lets the set go that was shown longest ago, unless all have been in this picture. */
 static void make_room(daft_scene *scene, daft_mesh_item *item)
 {
@@ -59,9 +100,7 @@ static void make_room(daft_scene *scene, daft_mesh_item *item)
     for (daft_opacity_set **link = &item->opacity; *link; link = &(*link)->next, count++)
         if ((*link)->shown < (*oldest)->shown) oldest = link;
     if (count < SETS || (*oldest)->shown == scene->walk) return;
-    daft_opacity_set *gone = *oldest;
-    *oldest = gone->next;
-    daft_retire(scene, &gone->retired, set_free);
+    let_go(scene, oldest);
 }
 
 /* All triangles opaque: as if there were no alpha. All clear: there is nothing. */
@@ -76,7 +115,8 @@ static uint32_t flags_of_all(const uint8_t *classes, uint32_t count)
 const daft_opacity_set *daft_opacity_find(daft_scene *scene, daft_mesh_item *item, const uint32_t *materials)
 {
     const daft_trimesh *mesh = &item->mesh;
-    const uint64_t key = hash_slots(scene, mesh, materials);
+    uint64_t textures;
+    const uint64_t key = hash_slots(scene, mesh, materials, &textures);
     for (daft_opacity_set *set = item->opacity; set; set = set->next) {
         if (set->key != key) continue;
         set->shown = scene->walk;
@@ -90,7 +130,8 @@ const daft_opacity_set *daft_opacity_find(daft_scene *scene, daft_mesh_item *ite
         return NULL;
     }
     make_room(scene, item);
-    set->key = key, set->shown = scene->walk, set->flags = flags_of_all(set->classes, mesh->triangle_count);
+    set->key = key, set->textures = textures, set->shown = scene->walk,
+    set->flags = flags_of_all(set->classes, mesh->triangle_count);
     set->next = item->opacity, item->opacity = set;
     return set;
 }

@@ -304,7 +304,7 @@ static daft_texture_data random_texture(int width, int height)
 {
     daft_allocator allocator = daft_malloc_allocator();
     daft_texture_data out;
-    uint8_t *rgba = malloc(4 * (size_t)width * (size_t)height);
+    uint8_t *rgba = calloc(4 * (size_t)width, (size_t)height);
     /* patches of nothing and of all, and noise between */
     const uint32_t salt = random_bits();
     for (int y = 0; y < height; y++)
@@ -369,6 +369,45 @@ static void classes_are_right(void **unused)
     }
     print_message("mixed %d, opaque %d, clear %d; alike %d\n", count[0], count[1], count[2], alike);
     assert_true(count[1] > 200 && count[2] > 200 && count[1] + count[2] > alike / 2);
+}
+
+/* A ray reads what is drawn: bit for bit what the kernels find where a pixel is smaller than a texel. */
+static void rays_read_what_is_drawn(void **unused)
+{
+    (void)unused;
+    fixture_seed(95);
+    daft_allocator allocator = daft_malloc_allocator();
+    daft_batch *b = calloc(1, sizeof *b);
+    b->varying = calloc(1, sizeof *b->varying);
+    for (int round = 0; round < 60; round++) {
+        daft_texture_data t = random_texture(1 + (int)(random_bits() % 40), 1 + (int)(random_bits() % 40));
+        daft_surface surface = {.texture = DAFT_NO_TEXTURE,
+                                .traits = DAFT_TRAIT_BLEND | DAFT_TRAIT_VARIES | DAFT_TRAIT_MAPS | DAFT_TRAIT_SENDS,
+                                .wrap = (uint32_t)round % 3,
+                                .map_scale = {random_float(-2, 2), random_float(-2, 2)},
+                                .map_offset = {random_float(-3, 3), random_float(-3, 3)},
+                                .opacity = round % 4 ? 1 : random_float(0.4f, 1),
+                                .cutoff = round % 2 ? 0.5f : 0,
+                                .alpha_channel = round % 5 ? 3 : (uint32_t)round / 5 % 3};
+        const daft_texture_filter filter = round % 7 ? DAFT_TEXTURE_TRILINEAR : DAFT_TEXTURE_NEAREST;
+        for (int i = 0; i < DAFT_MAPS; i++) surface.maps[i] = i == DAFT_MAP_ALPHA ? 0 : DAFT_NO_TEXTURE;
+        b->count = 500, b->traits = daft_surface_traits(&surface);
+        for (uint32_t i = 0; i < b->count; i++)
+            b->u[i] = random_float(-4, 4), b->v[i] = random_float(-4, 4), b->footprint[i] = 1e-6f;
+        for (int isa = 0; isa <= daft_isa_best(); isa++) {
+            const daft_vary_def def = {.lets_through = true};
+            daft_shade_kernels_for(isa)->vary(b, &surface, &t, filter, &def);
+            for (uint32_t i = 0; i < b->count; i++) {
+                const float one = daft_surface_opacity(&surface, &t, (daft_vec2){b->u[i], b->v[i]}, filter);
+                if (one != b->varying->opacity[i])
+                    fail_msg("%a at %a, %a; drawn is %a", (double)one, (double)b->u[i], (double)b->v[i],
+                             (double)b->varying->opacity[i]);
+            }
+        }
+        daft_texture_free(&allocator, &t);
+    }
+    free(b->varying);
+    free(b);
 }
 
 /* What a triangle's class says is what the texture says: without classes the picture is the same. */
@@ -442,6 +481,17 @@ static void classes_follow_materials(void **unused)
             sets++;
         assert_true(sets >= 1 && sets <= 9);
     }
+    /* the texture goes, and with it what was made of it */
+    const daft_texture texture = look.diffuse_map;
+    daft_mesh_info before, after;
+    assert_true(daft_mesh_get_info(s.scene, mesh, &before, NULL));
+    look.diffuse_map = (daft_texture){0};
+    assert_true(daft_material_set(s.scene, def.material, &look, NULL) && daft_texture_release(s.scene, texture, NULL));
+    assert_int_equal(daft_scene_collect(s.scene), 1);
+    assert_true(daft_mesh_get_info(s.scene, mesh, &after, NULL));
+    assert_null(s.scene->assets.meshes[daft_asset_index(mesh.id)]->opacity);
+    assert_true(after.bytes < before.bytes);
+    draw(&s, now);
     stage_free(&s);
 }
 
@@ -570,6 +620,7 @@ int main(void)
         cmocka_unit_test(the_same_bytes_everywhere),
         cmocka_unit_test(classes_are_right),
         cmocka_unit_test(classes_spare_reads_alone),
+        cmocka_unit_test(rays_read_what_is_drawn),
         cmocka_unit_test(classes_follow_materials),
         cmocka_unit_test(kept_pictures_follow_leaves),
         cmocka_unit_test(all_hits_are_found),
