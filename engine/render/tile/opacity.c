@@ -127,10 +127,9 @@ const daft_lanes3 *daft_tile_filters(tile_job *j, const daft_batch *points, cons
     return some ? s->passed : NULL;
 }
 
-/* A hole is not lit. */
-void daft_tile_skip_holes(tile_job *j, const daft_batch *points)
+void daft_tile_skip_holes(const daft_batch *points, uint32_t *bits)
 {
-    uint32_t *lit = j->s->lit;
+    if (!(points->traits & DAFT_TRAIT_BLEND)) return;
     for (uint32_t i = 0; i < points->count; i++)
-        if (points->varying->opacity[i] == 0) lit[i / 32] &= ~(1u << (i % 32));
+        if (points->varying->opacity[i] == 0) bits[i / 32] &= ~(1u << (i % 32));
 }

@@ -155,6 +155,7 @@ void daft_tile_occlusion(tile_job *j, daft_batch *points)
         const uint32_t left = points->count > 32 * i ? points->count - 32 * i : 0;
         all[i] = left >= 32 ? UINT32_MAX : (1u << left) - 1;
     }
+    daft_tile_skip_holes(points, all);
     j->r->shade->ambient(points, j->snapshot->materials, &none);
     keep(s, points);
     j->r->shade->ambient(points, j->snapshot->materials, &j->snapshot->ambient);

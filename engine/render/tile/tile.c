@@ -107,7 +107,7 @@ static void light_points(tile_job *j, daft_batch *points, int depth)
         const daft_light_source *light = &snapshot->lights[i];
         if (!may_reach(light, &around)) continue;
         if (j->r->shade->facing(points, light, j->s->lit) == 0) continue;
-        if (points->traits & DAFT_TRAIT_BLEND) daft_tile_skip_holes(j, points);
+        daft_tile_skip_holes(points, j->s->lit);
         ran(j, DAFT_EFFECT_LIGHTING);
         book(j, DAFT_EFFECT_LIGHTING);
         const bool soft = is_soft(j, light);

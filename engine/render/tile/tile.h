@@ -77,12 +77,12 @@ void daft_redraw_rays(const tile_job *j, const daft_ray_batch *rays, int depth);
 const daft_lanes3 *daft_tile_tints(tile_job *j, const daft_batch *points, const daft_light_source *light);
 /* opacity.c: of surfaces with alpha. The fraction of light that comes through them along a ray from point i. The same
  * for points of s->lit and one light: those that get none lose their bits; `passed`: the fraction of those that get
- * some, as daft_tile_tints gave it, or NULL. And takes the bits of the points at which nothing is there. Only where the
- * plan has some. */
+ * some, as daft_tile_tints gave it, or NULL. Only where the plan has some. And takes the bits of points at which
+ * nothing is there. */
 daft_vec3 daft_tile_filtered(tile_job *j, const daft_batch *points, uint32_t i, const daft_ray *ray);
 const daft_lanes3 *daft_tile_filters(tile_job *j, const daft_batch *points, const daft_light_source *light,
                                      const daft_lanes3 *passed);
-void daft_tile_skip_holes(tile_job *j, const daft_batch *points);
+void daft_tile_skip_holes(const daft_batch *points, uint32_t *bits);
 /* secondary.c: the rays that points `depth` surfaces away send on, into s->rays, and s->refracted[depth] where some
  * transmit; of rough ones that pixels see number `ray` of `rays`. */
 void daft_tile_spawn(tile_job *j, const daft_batch *points, int depth, uint32_t ray, uint32_t rays);
