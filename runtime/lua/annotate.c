@@ -25,7 +25,8 @@ static const word_type ARGUMENTS[] = {
                "size occlusion m n seed radius strength scale rate "},
     {"integer", " button ticks count "},
     {"boolean", " on down "},
-    {"string", " key negative positive name group string file other tag action input pace "},
+    {"string", " key negative positive name group string file other tag action input pace "
+               "right left top bottom front back "},
     {"string|integer", " clip "},
     {"daft.font", " font "},
     {"string|string[]", " layer hits "},

@@ -222,8 +222,8 @@ static const api_function FUNCTIONS[] = {
     {"sky.gradient", "(zenith, horizon)", "A sky from one colour above to another at the horizon.", sky_gradient,
      API_CHANGES},
     {"sky.image", "(\"file\")", "One equirectangular image around the world.", sky_image, API_CHANGES},
-    {"sky.cube", "(\"right\", \"left\", \"top\", \"bottom\", \"front\", \"back\")",
-     "Six square images as seen from within (px nx py ny pz nz of most sets): front towards -Z, right towards +X.",
+    {"sky.cube", "(right, left, top, bottom, front, back)",
+     "Six square image files as seen from within (px nx py ny pz nz of most sets): front towards -Z, right towards +X.",
      sky_cube, API_CHANGES},
     {"sky.light", "([strength [, occlusion]])",
      "The sky's own light, by the direction that a surface faces, in place of daft.ambient's colour; occlusion as "
