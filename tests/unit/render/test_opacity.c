@@ -453,25 +453,27 @@ static void classes_spare_reads_alone(void **unused)
 static void classes_follow_materials(void **unused)
 {
     (void)unused;
+    static const int STEM[1][4] = {{8, 6, 11, 18}}; /* all of it in the leaf, until the texture is moved */
     static uint8_t now[4 * PIXELS], fresh[4 * PIXELS];
     stage s = stage_new();
     daft_material_def look = daft_default_material_def();
-    look.diffuse_map = texture_of(&s, LEAF, 0), look.alpha_mode = DAFT_ALPHA_MASK;
-    const daft_mesh mesh = square(&s, WHOLE, 1);
+    look.diffuse_map = texture_of(&s, HALF, 0), look.alpha_mode = DAFT_ALPHA_MASK;
+    const daft_mesh mesh = square(&s, STEM, 1);
     daft_entity_def def = daft_default_entity_def();
     def.shape = DAFT_SHAPE_MESH, def.mesh = mesh, def.position = daft_dv3(0.25, 2, 0.1);
     def.material = daft_material_create(s.scene, &look, NULL);
     assert_true(daft_entity_create(s.scene, &def, NULL).id);
     shine(&s, DAFT_LIGHT_SUN);
     for (int i = 0; i < 40; i++) {
-        look.map_offset = (daft_vec2){(float)i / 40, 0}, look.alpha_cutoff = i % 2 ? 0.3f : 0.7f;
-        look.alpha_mode = i % 5 == 4 ? DAFT_ALPHA_BLEND : DAFT_ALPHA_MASK;
+        look.map_offset = (daft_vec2){(float)(i / 6) / 10, 0},
+        look.alpha_cutoff = 0.1f + 0.3f * (float)(i % 3); /* opaque, mixed, clear */
+        look.alpha_mode = i % 13 == 12 ? DAFT_ALPHA_BLEND : DAFT_ALPHA_MASK;
         assert_true(daft_material_set(s.scene, def.material, &look, NULL));
         draw(&s, now);
         stage other = stage_new();
         daft_material_def same = look;
-        same.diffuse_map = texture_of(&other, LEAF, 0);
-        hang(&other, square(&other, WHOLE, 1), &same, 2);
+        same.diffuse_map = texture_of(&other, HALF, 0);
+        hang(&other, square(&other, STEM, 1), &same, 2);
         shine(&other, DAFT_LIGHT_SUN);
         draw(&other, fresh);
         stage_free(&other);
