@@ -783,14 +783,14 @@ function daft.sky.gradient(zenith, horizon) end
 ---@param options string
 function daft.sky.image(options) end
 
----Six square images as seen from within (px nx py ny pz nz of most sets): front towards -Z, right towards +X.
----@param options string
----@param options2 string
----@param options22 string
----@param options222 string
----@param options2222 string
----@param options22222 string
-function daft.sky.cube(options, options2, options22, options222, options2222, options22222) end
+---Six square image files as seen from within (px nx py ny pz nz of most sets): front towards -Z, right towards +X.
+---@param right string
+---@param left string
+---@param top string
+---@param bottom string
+---@param front string
+---@param back string
+function daft.sky.cube(right, left, top, bottom, front, back) end
 
 ---The sky's own light, by the direction that a surface faces, in place of daft.ambient's colour; occlusion as there.
 ---@param strength? number
