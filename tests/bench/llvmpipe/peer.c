@@ -235,7 +235,7 @@ static void set_color(GLint at, daft_vec3 c) { glUniform3f(at, c.x, c.y, c.z); }
 static void set_material(peer *self, const daft_snapshot *s, const daft_surface *m)
 {
     const surface_program *p = &self->programs[traits_of(m)];
-    const daft_vec3 a = s->ambient;
+    const daft_vec3 a = s->ambient.by_normal ? s->ambient.harmonics[0] : s->ambient.color; /* of a sky, its mean */
     glUseProgram(p->name);
     set_color(p->ambient, (daft_vec3){m->ambient.x * a.x, m->ambient.y * a.y, m->ambient.z * a.z});
     set_color(p->emission, m->emission), set_color(p->diffuse, m->diffuse), set_color(p->specular, m->specular);
