@@ -110,7 +110,7 @@ static void project_gradient(const daft_sky *sky, projection *p)
     p->whole += 4 * DAFT_PI;
 }
 
-void daft_sky_irradiance(const daft_sky *sky, daft_vec3 out[DAFT_HARMONICS])
+void daft_sky_irradiance(const daft_sky *sky, daft_vec3 harmonics[DAFT_HARMONICS])
 {
     projection p = {0};
     switch (sky->kind) {
@@ -122,7 +122,7 @@ void daft_sky_irradiance(const daft_sky *sky, daft_vec3 out[DAFT_HARMONICS])
     case DAFT_SKY_IMAGE: project_image(sky->image, &p); break;
     case DAFT_SKY_CUBE: project_cube(sky->image, &p); break;
     }
-    finish(&p, out);
+    finish(&p, harmonics);
 }
 
 /* Where the curves of tone_kernel.c end. */

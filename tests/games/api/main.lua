@@ -108,6 +108,18 @@ local function lights()
     daft.fog {}
     daft.sky.color("#80a0ff")
     daft.sky.gradient("#6fb7ff", { 0.9, 0.95, 1 })
+    daft.sky.light(0.8, 2)
+    expect_error("strength", daft.sky.light, -1)
+    daft.sky.light()
+    daft.ambient("#333")
+    local face = "textures/checker.png"
+    daft.sky.cube(face, face, face, face, face, face)
+    expect_error("top", daft.sky.cube, face, face)
+    expect_error("square", daft.sky.cube, "sky/day.jpg", face, face, face, face, face)
+    daft.sky.gradient("#6fb7ff", { 0.9, 0.95, 1 })
+    daft.exposure { auto = true, curve = "agx", ev = 0.5 }
+    expect_error('"aces" or "agx" expected', daft.exposure, { curve = "film" })
+    daft.exposure {}
 end
 
 local function cameras()
