@@ -23,10 +23,10 @@ void probe_end(probe *self)
 /* ---- one measure ------------------------------------------------------------------------------------------------- */
 
 /* A golden-ratio sequence: however many places were taken, they are spread evenly. */
-int probe_row_of(uint32_t turn, int places)
+int probe_row_of(uint32_t turn, int rows)
 {
     const double at = (turn + 1) * 0.6180339887498949;
-    return (int)((at - floor(at)) * places);
+    return (int)((at - floor(at)) * rows);
 }
 
 static bool draw(daft_scene *scene, const daft_view *view, daft_image *to, double *ms, daft_error *error)
