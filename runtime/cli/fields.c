@@ -95,6 +95,7 @@ static const struct {
              {"spot", DAFT_STRUCT_LIGHT_DEF, DAFT_LIGHT_SPOT},
              {"sphere", DAFT_STRUCT_ENTITY_DEF, DAFT_SHAPE_SPHERE},
              {"mesh", DAFT_STRUCT_ENTITY_DEF, DAFT_SHAPE_MESH},
+             {"material", DAFT_STRUCT_MATERIAL_DEF, 0},
              {"fog", DAFT_STRUCT_FOG, 0},
              {"exposure", DAFT_STRUCT_EXPOSURE, 0},
              {"quality", DAFT_STRUCT_QUALITY, 0}};

@@ -189,6 +189,8 @@ static void on_loaded(void *user, const daft_scene_item *items, size_t count)
         const daft_scene_item *item = &items[i];
         if (item->kind == DAFT_ITEM_SPHERE || item->kind == DAFT_ITEM_MESH) check_entity(c, item);
         if (item->kind == DAFT_ITEM_CAMERA) check_inside(c, item, item->camera.position, "camera");
+        if (item->kind == DAFT_ITEM_MATERIAL && !item->used)
+            tell(c, DAFT_SEVERITY_NOTE, item, "no mesh or sphere uses the material");
         if (item->kind != DAFT_ITEM_LIGHT) continue;
         if (is_black(item->light.color)) tell(c, DAFT_SEVERITY_NOTE, item, "a black light lights nothing");
         if (item->light.kind != DAFT_LIGHT_SUN) check_inside(c, item, item->light.position, "light");

@@ -28,6 +28,7 @@ typedef struct value {
     const daft_field *own; /* instead: a field of the item itself */
     const char *path;      /* instead: a path, of what, for messages */
     int face;              /* of a path, not 0: which of a cube's images after the first */
+    bool own_name;         /* instead: what the material is called */
     bool preset;           /* instead: a preset's name, of which the item's quality begins */
     bool stops;            /* instead: "auto" or a number of stops, of the item's exposure */
     bool optional;         /* the line may end before it */
@@ -63,12 +64,14 @@ static const daft_field HORIZON = DAFT_COLOR_ROW(item, horizon, ZERO_OR_MORE, .d
 #define FOG           DAFT_STRUCT_FOG, offsetof(item, fog), 0
 #define EXPOSURE      DAFT_STRUCT_EXPOSURE, offsetof(item, exposure), 0
 #define QUALITY       DAFT_STRUCT_QUALITY, offsetof(item, quality), 0
+#define MATERIAL      DAFT_STRUCT_MATERIAL_DEF, offsetof(item, def), 0
 #define LIGHT(kind)   DAFT_STRUCT_LIGHT_DEF, offsetof(item, light), kind
 #define ENTITY(shape) DAFT_STRUCT_ENTITY_DEF, offsetof(item, entity), shape
 /* Each takes the names, the member or what the path is of, and designated initialisers of value. */
 #define FIELD(n, m, ...) {.names = (n), .member = (m), __VA_ARGS__}
 #define PATH(n, of)      {.names = (n), .path = (of)}
 #define FACE(n, k)       {.names = (n), .path = "an image of the cube", .face = (k), .optional = (k) == 1}
+#define NAME(n)          {.names = (n), .own_name = true}
 #define PRESET(n)        {.names = (n), .preset = true, .optional = true}
 
 static const form FORMS[] = {
@@ -92,6 +95,8 @@ static const form FORMS[] = {
         FIELD("x y z", "position"),
         FIELD("scale", "scale", .optional = true, .not_zero = true),
         FIELD("rot_x rot_y rot_z", "rotation", .optional = true)}},
+    {"material", DAFT_ITEM_MATERIAL, MATERIAL, {
+        NAME("name")}},
     {"sun", DAFT_ITEM_LIGHT, LIGHT(DAFT_LIGHT_SUN), {
         FIELD("dx dy dz", "direction"),
         FIELD("r g b", "color")}},
@@ -145,7 +150,8 @@ static const char *form_text(const form *f, char *buffer, size_t size)
             (size_t)snprintf(buffer + used, size - used, f->values[i].optional ? " [%s" : " %s", f->values[i].names);
     }
     for (; open > 0; open--) used += (size_t)snprintf(buffer + used, size - used, "]");
-    if (f->kind == DAFT_ITEM_MESH) snprintf(buffer + used, size - used, " [clip name]");
+    if (f->kind == DAFT_ITEM_MESH) snprintf(buffer + used, size - used, " [clip name] [material name]");
+    if (f->kind == DAFT_ITEM_MATERIAL) snprintf(buffer + used, size - used, " [option=value …]");
     return buffer;
 }
 
@@ -204,27 +210,55 @@ static bool next_is(daft_scene_text *text, const char *word)
     return text->at + length == text->end || strchr(" \t\r\n#", text->at[length]);
 }
 
-/* A path, joined to the folder of the file that names it. */
-static bool read_path(reader *read, const char *of, int face)
+/* The word as a string of the arena; NULL: no memory. */
+static char *keep_word(reader *read, const char *text, size_t length)
 {
-    daft_token token;
-    char what[64], name[MAX_PATH], joined[MAX_PATH];
-    snprintf(what, sizeof what, "the path of %s", of);
-    if (!daft_scene_text_word(read->text, what, &token)) return false;
-    if (!face) read->out->column = token.column;
+    char *copy = daft_arena_alloc(read->arena, length + 1, 1);
+    if (!copy) return daft_fail_memory(read->text->error, "a scene file's names"), NULL;
+    memcpy(copy, text, length);
+    copy[length] = 0;
+    return copy;
+}
+
+/* The token as a path, joined to the folder of the file that names it; NULL: failed. */
+static const char *keep_path(reader *read, daft_token token)
+{
+    char name[MAX_PATH], joined[MAX_PATH];
     bool fits = token.length < sizeof name;
     if (fits) {
         memcpy(name, token.text, token.length);
         name[token.length] = 0;
         fits = daft_path_beside(read->text->path, name, joined, sizeof joined);
     }
-    if (!fits)
-        return daft_scene_text_fail(read->text, token.column, "the path has more than %d characters", MAX_PATH - 1);
-    size_t size = strlen(joined) + 1;
-    char *copy = daft_arena_alloc(read->arena, size, 1);
-    if (!copy) return daft_fail_memory(read->text->error, "a scene file's paths");
-    *(face ? &read->out->faces[face - 1] : &read->out->path) = memcpy(copy, joined, size);
-    return true;
+    if (fits) return keep_word(read, joined, strlen(joined));
+    daft_scene_text_fail(read->text, token.column, "the path has more than %d characters", MAX_PATH - 1);
+    return NULL;
+}
+
+/* "material NAME" of a mesh, the name of a material, or the path of a sphere's, which may be such a name. */
+static bool keep_material(reader *read, daft_token token)
+{
+    read->out->material = keep_word(read, token.text, token.length);
+    read->out->material_column = token.column;
+    return read->out->material != NULL;
+}
+
+static bool read_path(reader *read, const char *of, int face)
+{
+    daft_token token;
+    char what[64];
+    snprintf(what, sizeof what, "the path of %s", of);
+    if (!daft_scene_text_word(read->text, what, &token)) return false;
+    if (!face) read->out->column = token.column;
+    const char *path = keep_path(read, token);
+    *(face ? &read->out->faces[face - 1] : &read->out->path) = path;
+    return path && (read->form->kind != DAFT_ITEM_SPHERE || keep_material(read, token));
+}
+
+static bool read_own_name(reader *read)
+{
+    daft_token token;
+    return daft_scene_text_word(read->text, "the name of the material", &token) && keep_material(read, token);
 }
 
 static bool read_stops(reader *read)
@@ -369,10 +403,15 @@ static bool has_name(const reader *read) { return read->form->fields == DAFT_STR
 
 static bool fail_option(const reader *read, int column, const char *name)
 {
-    char known[2 * LONGEST_OPTION] = "";
+    char known[4 * LONGEST_OPTION] = "";
     if (has_name(read)) snprintf(known, sizeof known, "%s", NAME_OPTION);
     uint32_t count;
     const daft_field *fields = daft_fields(read->form->fields, &count);
+    const char *near = NULL;
+    for (uint32_t i = 0; i < count; i++)
+        if (is_option(read, &fields[i])) near = daft_scene_text_nearer(name, fields[i].scene, near);
+    if (read->form->kind == DAFT_ITEM_MATERIAL && near)
+        return daft_scene_text_fail(read->text, column, "unknown option '%.40s': did you mean '%s'?", name, near);
     for (uint32_t i = 0; i < count; i++) {
         size_t used = strlen(known);
         if (is_option(read, &fields[i]))
@@ -385,7 +424,12 @@ static bool set_option(const daft_field *field, const char *text, void *out, daf
 {
     daft_field shown = shown_field(field);
     double numbers[4];
+    char thrice[3 * LONGEST_OPTION + 2];
     shown.name = field->scene;
+    if (field->type == DAFT_FIELD_COLOR && (field->flags & DAFT_FIELD_UNIFORM) && !strchr(text, ',')) {
+        snprintf(thrice, sizeof thrice, "%s,%s,%s", text, text, text);
+        text = thrice;
+    }
     if (!daft_field_parse(&shown, text, out, error)) return false;
     if (is_angle(field)) set_numbers(field, out, numbers, daft_field_numbers(field, out, numbers));
     return true;
@@ -398,6 +442,23 @@ static bool keep_name(reader *read, const char *name)
     if (!copy) return daft_fail_memory(read->text->error, "a scene file's names");
     read->out->name = memcpy(copy, name, size);
     return true;
+}
+
+/* texture=wood.png; the last one of a field counts, as with all options. */
+static bool keep_map(reader *read, const daft_field *field, daft_token path)
+{
+    if (path.length == 0) return daft_scene_text_fail(read->text, path.column, "the path of %s is empty", field->scene);
+    daft_scene_map *map = read->out->maps;
+    while (map && map->field != field) map = map->next;
+    if (!map) {
+        map = daft_arena_alloc(read->arena, 1, sizeof *map);
+        if (!map) return daft_fail_memory(read->text->error, "a scene file's materials");
+        *map = (daft_scene_map){.field = field, .next = read->out->maps};
+        read->out->maps = map;
+    }
+    map->path = keep_path(read, path);
+    map->column = path.column;
+    return map->path != NULL;
 }
 
 static bool read_option(reader *read)
@@ -416,6 +477,8 @@ static bool read_option(reader *read)
         return *set ? keep_name(read, set) : daft_scene_text_fail(read->text, token.column, "the name is empty");
     const daft_field *field = option_field(read, text);
     if (!field) return fail_option(read, token.column, text);
+    if (field->type == DAFT_FIELD_TEXTURE)
+        return keep_map(read, field, (daft_token){set, strlen(set), token.column + (int)(set - text)});
     return set_option(field, set, struct_of(read), &why) ||
            daft_scene_text_fail(read->text, token.column, "%s", why.message);
 }
@@ -435,12 +498,28 @@ static bool read_clip(reader *read)
     return true;
 }
 
+/* "material NAME" */
+static bool read_material(reader *read)
+{
+    daft_token token;
+    daft_scene_text_word(read->text, "material", &token);
+    if (read->out->material) return daft_scene_text_fail(read->text, token.column, "there is a material already");
+    return daft_scene_text_word(read->text, "the name of a material", &token) && keep_material(read, token);
+}
+
+/* The words that follow a mesh's numbers. */
+static bool word_follows(const reader *read, const char *word)
+{
+    return read->form->kind == DAFT_ITEM_MESH && next_is(read->text, word);
+}
+
 static bool read_options(reader *read)
 {
     for (;;) {
-        const bool clip = read->form->kind == DAFT_ITEM_MESH && next_is(read->text, "clip");
-        if (!clip && (read->form->fields == DAFT_STRUCT_COUNT || option_length(read->text) == 0)) return true;
-        if (!(clip ? read_clip(read) : read_option(read))) return false;
+        const bool clip = word_follows(read, "clip"), material = word_follows(read, "material");
+        if (!clip && !material && (read->form->fields == DAFT_STRUCT_COUNT || option_length(read->text) == 0))
+            return true;
+        if (!(clip ? read_clip(read) : material ? read_material(read) : read_option(read))) return false;
     }
 }
 
@@ -465,6 +544,7 @@ static bool read_value(reader *read, const value *v)
 {
     const daft_field *field = v->own || v->member ? field_of(read->form, v) : NULL;
     if (v->path) return read_path(read, v->path, v->face);
+    if (v->own_name) return read_own_name(read);
     if (v->preset) return read_preset(read);
     if (v->stops) return read_stops(read);
     return field->type == DAFT_FIELD_CHOICE ? read_choice(read, field) : read_field(read, v);
@@ -478,7 +558,7 @@ static bool read_values(reader *read)
     for (; i < count; i++) {
         const value *v = &read->form->values[i];
         if (v->optional && (daft_scene_text_ends(read->text) || option_length(read->text) > 0 ||
-                            (read->form->kind == DAFT_ITEM_MESH && next_is(read->text, "clip"))))
+                            word_follows(read, "clip") || word_follows(read, "material")))
             break;
         if (!read_value(read, v)) return false;
     }

@@ -19,9 +19,18 @@ typedef enum daft_scene_item_kind {
     DAFT_ITEM_QUALITY,
     DAFT_ITEM_SPHERE,
     DAFT_ITEM_MESH,
+    DAFT_ITEM_MATERIAL,
     DAFT_ITEM_INCLUDE,
     DAFT_ITEM_REFUSED /* what it names cannot be loaded; only where a watch lets the load go on */
 } daft_scene_item_kind;
+
+/* An image that a material names, loaded once all lines are read. */
+typedef struct daft_scene_map {
+    const daft_field *field; /* of daft_material_def */
+    const char *path;        /* joined to the source's folder */
+    int column;
+    struct daft_scene_map *next;
+} daft_scene_map;
 
 typedef struct daft_scene_item {
     daft_scene_item_kind kind;
@@ -32,6 +41,11 @@ typedef struct daft_scene_item {
     const char *name;   /* of an entity; or NULL */
     const char *clip;   /* of a mesh, that it plays; or NULL */
     int clip_column;
+    const char *material; /* a material's own name; of a mesh or sphere, what it may have named; or NULL */
+    int material_column;
+    daft_material made;      /* of a material, once it is loaded */
+    bool used;               /* a material, by some entity */
+    daft_scene_map *maps;    /* of a material */
     daft_animated *animated; /* made of it while loading, until the entity has it */
     union {
         daft_camera camera;
@@ -44,6 +58,7 @@ typedef struct daft_scene_item {
         daft_exposure exposure;
         const char *faces[5]; /* the other images of a skybox of six; NULL: it is of one */
         daft_entity_def entity;
+        daft_material_def def;
         daft_fog fog;
         struct {
             daft_vec3 zenith, horizon;

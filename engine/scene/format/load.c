@@ -2,6 +2,8 @@
  * then room is made for everything, and only then, when nothing can fail any more, the scene changes. */
 #include "scene/format/load.h"
 
+#include <string.h>
+
 enum { MAX_INCLUDES = 16 };
 
 typedef daft_scene_item item;
@@ -19,6 +21,7 @@ typedef struct loader {
     daft_arena arena; /* paths */
     item *items;
     size_t count, capacity;
+    daft_map materials;            /* from hashes of names to items */
     daft_sky_item *sky;            /* the last one named, or NULL */
     const daft_scene_watch *watch; /* or NULL */
     daft_error error;
@@ -142,22 +145,107 @@ static bool load_clip(loader *load, item *named)
     return named->animated != NULL;
 }
 
-static bool load_asset(loader *load, item *named)
+/* ---- materials by name ---- */
+
+static item *find_material(const loader *load, const char *name)
+{
+    uint32_t cursor = 0, at;
+    const uint64_t hash = daft_hash(name, strlen(name), 0);
+    while ((at = daft_map_next(&load->materials, hash, &cursor)) != DAFT_NONE)
+        if (strcmp(load->items[at].material, name) == 0) return &load->items[at];
+    return NULL;
+}
+
+static bool load_images(loader *load, item *made)
+{
+    for (const daft_scene_map *map = made->maps; map; map = map->next) {
+        daft_texture *texture = (daft_texture *)(void *)((char *)&made->def + map->field->offset);
+        *texture = daft_texture_load(load->scene, map->path, &load->error);
+        if (texture->id) continue;
+        made->column = map->column;
+        return false;
+    }
+    return true;
+}
+
+static void release_images(loader *load, item *made)
+{
+    for (const daft_scene_map *map = made->maps; map; map = map->next) {
+        daft_texture *texture = (daft_texture *)(void *)((char *)&made->def + map->field->offset);
+        if (texture->id) daft_texture_release(load->scene, *texture, NULL); /* the material uses it */
+    }
+}
+
+/* Makes it, and leaves its handle to be found by its name. */
+static bool make_material(loader *load, item *made)
+{
+    daft_assets *assets = &load->scene->assets;
+    const item *before = find_material(load, made->material);
+    if (before)
+        return daft_fail_at(&load->error, DAFT_ERROR_SYNTAX, made->source, made->line, made->material_column,
+                            "there is a material '%.80s' already: %.300s:%d", made->material, before->source,
+                            before->line);
+    char *name = daft_copy_string(load->scene->allocator, made->material);
+    if (!name) return daft_fail_memory(&load->error, "the name of a material");
+    if (load_images(load, made)) made->made = daft_material_create(load->scene, &made->def, &load->error);
+    release_images(load, made);
+    if (!made->made.id) return daft_release(load->scene->allocator, name), false;
+    assets->material_names[daft_asset_index(made->made.id)] = name;
+    daft_material_release(load->scene, made->made, NULL); /* entities use it */
+    daft_map_add(&load->materials, daft_hash(name, strlen(name), 0), (uint32_t)(made - load->items));
+    return true;
+}
+
+static bool fail_material(loader *load, const item *named)
+{
+    const char *near = NULL;
+    for (size_t i = 0; i < load->count; i++)
+        if (load->items[i].kind == DAFT_ITEM_MATERIAL)
+            near = daft_scene_text_nearer(named->material, load->items[i].material, near);
+    return daft_fail_at(&load->error, DAFT_ERROR_SYNTAX, named->source, named->line, named->material_column,
+                        near ? "there is no material '%.80s': did you mean '%.80s'?" : "there is no material '%.80s'",
+                        named->material, near);
+}
+
+static bool use_material(const loader *load, item *named)
+{
+    item *made = named->material ? find_material(load, named->material) : NULL;
+    if (!made) return false;
+    made->used = true;
+    named->entity.material = made->made;
+    return true;
+}
+
+/* A sphere's path is a material's name where there is one. */
+static bool load_sphere(loader *load, item *named)
+{
+    daft_entity_def *entity = &named->entity;
+    if (!use_material(load, named)) {
+        entity->material = daft_material_load(load->scene, named->path, &load->error);
+        if (!entity->material.id) return false;
+        daft_material_release(load->scene, entity->material, NULL); /* the entity uses it */
+    }
+    return daft_entity_check(load->scene, entity, &load->error);
+}
+
+static bool load_mesh(loader *load, item *named)
 {
     daft_scene *scene = load->scene;
     daft_entity_def *entity = &named->entity;
+    if (named->material && !use_material(load, named)) return fail_material(load, named);
+    entity->mesh = daft_mesh_load(scene, named->path, &load->error);
+    if (!entity->mesh.id) return false;
+    daft_mesh_release(scene, entity->mesh, NULL);
+    return daft_entity_check(scene, entity, &load->error) && load_clip(load, named);
+}
+
+static bool load_asset(loader *load, item *named)
+{
     switch (named->kind) {
     case DAFT_ITEM_SKYBOX: return load_sky(load, named);
-    case DAFT_ITEM_SPHERE:
-        entity->material = daft_material_load(scene, named->path, &load->error);
-        if (!entity->material.id) return false;
-        daft_material_release(scene, entity->material, NULL); /* the entity uses it */
-        return daft_entity_check(scene, entity, &load->error);
-    case DAFT_ITEM_MESH:
-        entity->mesh = daft_mesh_load(scene, named->path, &load->error);
-        if (!entity->mesh.id) return false;
-        daft_mesh_release(scene, entity->mesh, NULL);
-        return daft_entity_check(scene, entity, &load->error) && load_clip(load, named);
+    case DAFT_ITEM_MATERIAL: return make_material(load, named);
+    case DAFT_ITEM_SPHERE: return load_sphere(load, named);
+    case DAFT_ITEM_MESH: return load_mesh(load, named);
     case DAFT_ITEM_LIGHT: return daft_light_check(&named->light, &load->error);
     case DAFT_ITEM_CAMERA: return daft_check_camera(&load->error, "camera", &named->camera);
     case DAFT_ITEM_PATH: return check_checkpoint(load, named);
@@ -234,6 +322,7 @@ static void commit(loader *load)
         case DAFT_ITEM_SPHERE:
         case DAFT_ITEM_MESH: insert_entity(scene, made); break;
         case DAFT_ITEM_SKYBOX:
+        case DAFT_ITEM_MATERIAL:
         case DAFT_ITEM_INCLUDE:
         case DAFT_ITEM_REFUSED: break;
         }
@@ -242,16 +331,26 @@ static void commit(loader *load)
     load->sky = NULL;
 }
 
-static bool load_all(loader *load, const char *path)
+/* Those of all items that are materials, or of all that are not: materials come first, wherever they stand. */
+static bool load_assets(loader *load, bool materials)
 {
-    if (!read_file(load, path, NULL)) return false;
     for (size_t i = 0; i < load->count; i++) {
+        if ((load->items[i].kind == DAFT_ITEM_MATERIAL) != materials) continue;
         if (load_asset(load, &load->items[i])) continue;
         fail_inside(load, &load->items[i]);
         if (!goes_on(load)) return false;
         load->items[i].kind = DAFT_ITEM_REFUSED;
     }
-    return reserve(load);
+    return true;
+}
+
+static bool load_all(loader *load, const char *path)
+{
+    if (!read_file(load, path, NULL)) return false;
+    if (load->count > UINT32_MAX / 4 ||
+        !daft_map_reserve(&load->materials, load->scene->allocator, (uint32_t)load->count))
+        return daft_fail_memory(&load->error, "a scene file's materials");
+    return load_assets(load, true) && load_assets(load, false) && reserve(load);
 }
 
 bool daft_scene_load(daft_scene *scene, const char *path, daft_error *error)
@@ -275,6 +374,7 @@ bool daft_scene_load_watched(daft_scene *scene, const char *path, const daft_sce
     daft_sky_item_free(scene, load.sky);
     for (size_t i = 0; i < load.count; i++) daft_animated_free(scene, load.items[i].animated);
     daft_release(scene->allocator, load.items);
+    daft_map_free(&load.materials, scene->allocator);
     daft_arena_free(&load.arena);
     if (!done && error) *error = load.error;
     return done;

@@ -127,3 +127,33 @@ bool daft_scene_text_finish(daft_scene_text *text)
     return daft_scene_text_fail(text, column, "unexpected '%s'; the form is: %s", daft_token_show(token).text,
                                 text->usage);
 }
+
+/* ---- names that were meant ---- */
+
+/* Levenshtein's distance; UINT32_MAX where one of them has more than 40 letters. */
+static uint32_t distance(const char *a, const char *b)
+{
+    enum { LONGEST = 40 };
+    uint32_t row[LONGEST + 1], n = (uint32_t)strnlen(a, LONGEST + 1), m = (uint32_t)strnlen(b, LONGEST + 1);
+    if (n > LONGEST || m > LONGEST) return UINT32_MAX;
+    for (uint32_t k = 0; k <= m; k++) row[k] = k;
+    for (uint32_t i = 1; i <= n; i++) {
+        uint32_t corner = row[0];
+        row[0] = i;
+        for (uint32_t k = 1; k <= m; k++) {
+            uint32_t least = corner + (a[i - 1] != b[k - 1]);
+            corner = row[k];
+            if (row[k] + 1 < least) least = row[k] + 1;
+            if (row[k - 1] + 1 < least) least = row[k - 1] + 1;
+            row[k] = least;
+        }
+    }
+    return row[m];
+}
+
+const char *daft_scene_text_nearer(const char *written, const char *name, const char *near)
+{
+    const uint32_t d = distance(written, name);
+    if (d > (strlen(written) + 2) / 3) return near;
+    return !near || d < distance(written, near) ? name : near;
+}

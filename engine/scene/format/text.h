@@ -37,6 +37,9 @@ bool daft_scene_text_finish(daft_scene_text *text);
 /* A syntax error at a column of the current line; "%s" in the format is the token, cut and made printable. */
 bool daft_scene_text_fail(const daft_scene_text *text, int column, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+/* Whichever of `name` and `near` (or NULL) is nearer to what was `written`, as a guess at what was meant: at most a
+ * third of its letters are wrong, missing or too many. NULL: neither. */
+const char *daft_scene_text_nearer(const char *written, const char *name, const char *near);
 /* The token, cut to 40 characters and with control characters as '?'. */
 typedef struct daft_shown {
     char text[48];

@@ -194,6 +194,10 @@ static void odd_scenes_are_told(void **unused)
     EXPECT_FILE("twins.scene",
                 "camera 9 0 0\nlight 9 9 9 1 1 1\nmesh solid.obj 1 2 3\nmesh solid.obj 1 2 3.5\nmesh solid.obj 1 2 3\n",
                 0, ":5:6: warning: the same is in the same place already: ");
+    EXPECT_FILE("spare.scene",
+                "camera 9 0 0\nlight 9 9 9 1 1 1\nmaterial spare\nmaterial red\nmesh solid.obj 0 0 0 material red\n", 0,
+                ":3:1: note: no mesh or sphere uses the material");
+    assert_null(strstr(output, ":4:1:"));
     EXPECT_FILE("mirror.scene", "camera 9 0 0\nlight 9 9 9 1 1 1\nmesh solid.obj 0 0 0 -1\n", 0,
                 ":3:6: note: a negative scale mirrors the mesh");
     EXPECT_FILE("tiny.scene", "camera 9 0 0\nlight 9 9 9 1 1 1\nmesh solid.obj 0 0 0 1e-42\n", 0,

@@ -250,6 +250,39 @@ static void materials_keep_their_meaning(void **state)
     assert_non_null(strstr(error.message, "no material 'blue'; it has red, shiny one, matt"));
 }
 
+/* material NAME option=value: the same fields as in Lua, for meshes and spheres, also above the line that says it. */
+static void materials_have_names(void **state)
+{
+    fixture *f = *state;
+    load_good(f, "mesh t.obj 0 0 0 2 material ruby\nmesh t.obj 0 0 0\nsphere 0 0 0 1 gold name=ball\n"
+                 "material ruby color=0.9,0.1,0.2 emission=0.5 texture=sky.tga texture_wrap=mirror "
+                 "normal_texture=sky.tga refractive_index=1.7 alpha=blend\n"
+                 "material gold shading=physical metallic=1 roughness=0.25\n");
+    daft_material_def def, plain = daft_default_material_def();
+    char name[16];
+    assert_true(daft_material_get(f->scene, entity(f, 0)->def.material, &def, NULL));
+    assert_string_equal(daft_material_name(f->scene, entity(f, 0)->def.material, name, sizeof name), "ruby");
+    assert_true(def.diffuse.x == 0.9f && def.diffuse.y == 0.1f && def.diffuse.z == 0.2f);
+    assert_true(def.emission.x == 0.5f && def.emission.y == 0.5f && def.emission.z == 0.5f);
+    assert_true(def.map_wrap == 2 && def.alpha_mode == DAFT_ALPHA_BLEND && def.refractive_index == 1.7f);
+    assert_true(def.diffuse_map.id && def.diffuse_map.id == def.normal_map.id && !def.bump_map.id);
+    assert_true(def.shininess == plain.shininess && def.specular.x == plain.specular.x);
+    assert_int_equal(entity(f, 1)->def.material.id, 0); /* the mesh's own */
+    assert_true(daft_material_get(f->scene, entity(f, 2)->def.material, &def, NULL));
+    assert_true(def.shading == DAFT_SHADING_PHYSICAL && def.metallic == 1 && def.roughness == 0.25f);
+}
+
+/* Every field of a material can be said in a .scene file as in Lua. */
+static void materials_have_all_fields(void **state)
+{
+    (void)state;
+    uint32_t count;
+    const daft_field *fields = daft_fields(DAFT_STRUCT_MATERIAL_DEF, &count);
+    assert_true(count > 30);
+    for (uint32_t i = 0; i < count; i++)
+        if (fields[i].lua) assert_string_equal(fields[i].lua, fields[i].scene ? fields[i].scene : "none");
+}
+
 /* What d, Tf, Ni and illum make of light that passes. Exporters write Ni and Tf beside any model: only 4, 6, 7, 9 mean
  * it. */
 static void glass_keeps_its_meaning(void **state)
@@ -368,6 +401,16 @@ static const struct {
     {"spot 0 0 0 0 1 0 1 1 1 20 -1\n", 1, 27, "inner is -1; it must be between 0 and 180 degrees"},
     {"spot 0 0 0 0 1 0 1 1 1 20 30\n", 1, 27, "inner is 30; it must be at most 20, the number before it"},
     {"sphere 1 2 3 1e-60 m.mtl\n", 1, 14, "r is 1e-60; it must be finite and above 0"},
+    {"material\n", 1, 9, "expected the name of the material"},
+    {"material m colr=1,0,0\n", 1, 12, "unknown option 'colr': did you mean 'color'?"},
+    {"material m qqqqqqqq=1\n", 1, 12, "unknown option 'qqqqqqqq'; known are ambient, color, specular"},
+    {"material m mirror=2\n", 1, 12, "mirror is 2; it must be between 0 and 1"},
+    {"material m alpha=some\n", 1, 12, "alpha is 'some'; it must be opaque, mask or blend"},
+    {"material m texture=no.png\n", 1, 20, "no.png"},
+    {"material m texture=\n", 1, 20, "the path of texture is empty"},
+    {"mesh t.obj 0 0 0 material ruby\n", 1, 27, "there is no material 'ruby'"},
+    {"mesh t.obj 0 0 0 material\n", 1, 26, "expected the name of a material"},
+    {"material a\nmesh t.obj 0 0 0 material a material a\n", 2, 29, "there is a material already"},
     {"ambient 1 1\n", 1, 12, "expected b"},
     {"ambient 1 -1 1\n", 1, 11, "g is -1; it must be finite and 0 or more"},
     {"include no.scene\n", 1, 9, "no.scene: cannot open"},
@@ -403,6 +446,42 @@ static void every_mistake_has_its_place(void **state)
     }
     /* what failed leaves nothing behind that would spoil the next load */
     load_good(f, "mesh t.obj 0 0 0\nskybox sky.tga\nsphere 0 0 0 1 m.mtl\n");
+}
+
+static uint32_t live_assets(const fixture *f)
+{
+    const daft_slots *lists[] = {&f->scene->assets.material_slots, &f->scene->assets.texture_slots,
+                                 &f->scene->assets.mesh_slots};
+    uint32_t live = 0;
+    for (size_t i = 0; i < DAFT_COUNT_OF(lists); i++)
+        for (uint32_t k = 0; k < lists[i]->count; k++) live += lists[i]->items[k].live;
+    return live;
+}
+
+/* Told once some materials and their images are there already, which go again. */
+static void mistakes_leave_no_materials(void **state)
+{
+    fixture *f = *state;
+    static const struct {
+        const char *text;
+        int line, column;
+        const char *says;
+    } bad[] = {
+        {"material m\nmaterial m\n", 2, 10, "there is a material 'm' already: "},
+        {"material ruby texture=sky.tga\nmesh t.obj 0 0 0 material rubi\n", 2, 27,
+         "there is no material 'rubi': did you mean 'ruby'?"},
+        {"material m texture=sky.tga bump_texture=no.png\n", 1, 41, "no.png"},
+        {"material m texture=sky.tga\nsphere 0 0 0 1 n.mtl\n", 2, 16, "n.mtl: cannot open"},
+    };
+    const uint32_t before = live_assets(f);
+    for (size_t i = 0; i < DAFT_COUNT_OF(bad); i++) {
+        daft_error error;
+        assert_false(load(f, bad[i].text, &error));
+        if (error.line != bad[i].line || error.column != bad[i].column || !strstr(error.message, bad[i].says))
+            fail_msg("wanted %d:%d %s, got %d:%d %s", bad[i].line, bad[i].column, bad[i].says, error.line, error.column,
+                     error.message);
+        assert_int_equal(live_assets(f), before);
+    }
 }
 
 static void mistakes_inside_files_keep_their_own_place(void **state)
@@ -498,7 +577,8 @@ static void running_out_of_memory_is_an_error(void **state)
 {
     fixture *f = *state;
     write_text(f, "s.scene",
-               "camera 0 0 0\nskybox sky.tga\nlight 1 1 1 1 1 1\nsphere 0 0 0 1 m.mtl\nmesh t.obj 0 0 0 2\n");
+               "camera 0 0 0\nskybox sky.tga\nlight 1 1 1 1 1 1\nsphere 0 0 0 1 m.mtl\nmesh t.obj 0 0 0 2 material m\n"
+               "material m texture=sky.tga bump_texture=sky.tga\n");
     char path[256];
     strcpy(path, path_of(f, "s.scene"));
     uint64_t empty = daft_scene_hash(f->scene);
@@ -552,10 +632,13 @@ int main(void)
         TEST(items_have_options),
         TEST(every_form_is_in_the_manual),
         TEST(materials_keep_their_meaning),
+        TEST(materials_have_names),
+        TEST(materials_have_all_fields),
         TEST(glass_keeps_its_meaning),
         TEST(includes_are_relative_to_their_file),
         TEST(byte_order_mark_is_skipped),
         TEST(every_mistake_has_its_place),
+        TEST(mistakes_leave_no_materials),
         TEST(mistakes_inside_files_keep_their_own_place),
         TEST(missing_scene_files_are_named),
         TEST(include_cycles_end),
