@@ -73,18 +73,12 @@ static void measure(bench *self, const char *name, const char *path, double budg
         bench_add(self, &row);
 }
 
-static int is_scene(const struct dirent *entry)
-{
-    const char *dot = strrchr(entry->d_name, '.');
-    return dot && strcmp(dot, ".scene") == 0;
-}
-
 void bench_budgets(bench *self)
 {
     static const double BUDGETS[] = {4, 16};
     struct dirent **found;
     int counts[2], threads = bench_thread_counts(self, counts);
-    const int count = scandir(DAFT_ROOT "/assets/scenes", &found, is_scene, alphasort);
+    const int count = scandir(DAFT_ROOT "/assets/scenes", &found, users_is_scene, alphasort);
     for (int i = 0; i < count; i++) {
         char name[64], path[512];
         snprintf(path, sizeof path, "%s/assets/scenes/%.200s", DAFT_ROOT, found[i]->d_name);

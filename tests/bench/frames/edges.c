@@ -7,7 +7,7 @@
  * frames long: how much more, or less, the picture changes from frame to frame than the reference's, 16 samples
  * everywhere: the mean over pixels and frames of |FLIP of two frames - FLIP of the reference's|, which is what
  * shimmers. Beside it stands that of eight samples everywhere. */
-#include "harness/bench.h"
+#include "frames/users.h"
 
 #include "accuracy/metrics.h"
 
@@ -167,25 +167,11 @@ static void measure_pan(bench *self, const char *name, const char *path, int thr
 
 /* ---- rows -------------------------------------------------------------------------------------------------------- */
 
-static int is_scene(const struct dirent *entry)
-{
-    const char *dot = strrchr(entry->d_name, '.');
-    return dot && strcmp(dot, ".scene") == 0;
-}
-
-static int has_demo(const struct dirent *entry)
-{
-    char path[512];
-    if (entry->d_name[0] == '.') return 0;
-    snprintf(path, sizeof path, "%s/games/%.200s/demo.rec", DAFT_ROOT, entry->d_name);
-    return daft_file_exists(NULL, path);
-}
-
 static void measure_all(bench *self, bool games, int threads)
 {
     struct dirent **found;
     const int count = scandir(games ? DAFT_ROOT "/games" : DAFT_ROOT "/assets/scenes", &found,
-                              games ? has_demo : is_scene, alphasort);
+                              games ? users_has_demo : users_is_scene, alphasort);
     for (int i = 0; i < count; i++) {
         char name[64], path[512];
         const char *file = found[i]->d_name;

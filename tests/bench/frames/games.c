@@ -132,18 +132,10 @@ static void measure_game(bench *self, const char *scene, const char *game, int t
     users_report(self, scene, threads, &best, &peer, "the whole demo", two ? 1e3 / 60 : 0, two ? 1e3 / 120 : 0);
 }
 
-static int has_demo(const struct dirent *entry)
-{
-    char path[512];
-    if (entry->d_name[0] == '.') return 0;
-    snprintf(path, sizeof path, "%s/games/%.200s/demo.rec", DAFT_ROOT, entry->d_name);
-    return daft_file_exists(NULL, path);
-}
-
 void bench_games(bench *self)
 {
     struct dirent **games;
-    int found = scandir(DAFT_ROOT "/games", &games, has_demo, alphasort), counts[2],
+    int found = scandir(DAFT_ROOT "/games", &games, users_has_demo, alphasort), counts[2],
         count = bench_thread_counts(self, counts);
     for (int i = 0; i < found; i++) {
         char scene[64];

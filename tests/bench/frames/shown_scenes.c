@@ -94,16 +94,10 @@ static void measure_scene(bench *self, const char *row, const char *path, int th
     close_show(&s);
 }
 
-static int is_scene(const struct dirent *entry)
-{
-    const char *dot = strrchr(entry->d_name, '.');
-    return dot && strcmp(dot, ".scene") == 0;
-}
-
 void bench_shown_scenes(bench *self)
 {
     struct dirent **files;
-    int found = scandir(DAFT_ROOT "/assets/scenes", &files, is_scene, alphasort), counts[2];
+    int found = scandir(DAFT_ROOT "/assets/scenes", &files, users_is_scene, alphasort), counts[2];
     int count = bench_thread_counts(self, counts);
     for (int i = 0; i < found; i++) {
         char row[80], path[512];

@@ -26,5 +26,9 @@ void users_peer(bench *self, const char *kind, const char *name, int threads, bo
 double users_number(const char *json, const char *name);
 /* "frame_ms" of a JSON text; the rest is 0. */
 void users_read_times(const char *json, users_frames *out);
+/* For scandir: files of scenes; games of games/ that have a demo.rec. */
+struct dirent;
+int users_is_scene(const struct dirent *entry);
+int users_has_demo(const struct dirent *entry);
 
 #endif

@@ -1,6 +1,7 @@
 /* The rows of users' frames. */
 #include "frames/users.h"
 
+#include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -38,6 +39,20 @@ void users_report(bench *self, const char *scene, int threads, const users_frame
     row.ours = f->median, row.peer = beside ? peer->median : -1, row.budget = (bench_budget){1.3, 2, false};
     write_effects(f, note, row.counters, sizeof row.counters);
     bench_add(self, &row);
+}
+
+int users_is_scene(const struct dirent *entry)
+{
+    const char *dot = strrchr(entry->d_name, '.');
+    return dot && strcmp(dot, ".scene") == 0;
+}
+
+int users_has_demo(const struct dirent *entry)
+{
+    char path[512];
+    if (entry->d_name[0] == '.') return 0;
+    snprintf(path, sizeof path, "%s/games/%.200s/demo.rec", DAFT_ROOT, entry->d_name);
+    return daft_file_exists(NULL, path);
 }
 
 /* ---- the peer ---- */
