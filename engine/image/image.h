@@ -25,9 +25,9 @@ bool daft_image_decode(const daft_allocator *allocator, const void *bytes, size_
                        daft_image *out, daft_error *error);
 void daft_image_free(daft_image *image);
 
-/* Fills `to` with `from`, which is no larger. scratch: of daft_image_enlarge_bytes, aligned for int. */
-size_t daft_image_enlarge_bytes(const daft_image *from, const daft_image *to);
-void daft_image_enlarge(const daft_image *from, daft_image *to, daft_upscale how, void *scratch, int workers);
+/* Fills `to` with `from`, which is no larger. scratch: of daft_image_enlarge_bytes, aligned for float. */
+size_t daft_image_enlarge_bytes(const daft_image *from, const daft_image *to, int workers);
+void daft_image_enlarge(const daft_image *from, daft_image *to, daft_upscale how, void *scratch, int workers, int isa);
 
 float daft_srgb_to_linear(float encoded);
 float daft_linear_to_srgb(float linear); /* clamps to 0..1 */

@@ -10,6 +10,7 @@
 #define CHANGE   1000.0
 #define HOLD     2000.0
 #define HOLD_MAX 32000.0
+#define LEAST_SCALE 0.1f /* of a quality */
 #define OUTLIER  1.6 /* times the median: such a frame is slow for another reason than its picture */
 
 enum {
@@ -217,6 +218,7 @@ bool governor_frame(governor *g, double work_ms, double turn_ms)
 void governor_set(int rung, daft_quality *q)
 {
     const governor_rung *r = &RUNGS[rung];
+    q->scale = fmaxf(LEAST_SCALE, q->scale * (float)r->scale);
     if (rung > FULL) {
         if (q->samples == 1 && q->edge_samples < r->edge_samples) q->edge_samples = r->edge_samples;
         if (q->mirror_depth < r->mirror_depth) q->mirror_depth = r->mirror_depth;

@@ -59,7 +59,7 @@ bool governor_frame(governor *g, double work_ms, double turn_ms);
 /* The 95th percentile of the last frames on this rung, at most GOVERNOR_FRAMES, but for those that are slow for another
  * reason than their picture; 0 before the first. */
 double governor_slow_ms(const governor *g);
-/* The quality's knobs as on a rung, but for the scale. */
+/* The quality's knobs as on a rung. */
 void governor_set(int rung, daft_quality *quality);
 /* Lowers the view's knobs to the rung's, or raises them above the quality itself; leaves them where `g` is NULL. */
 void governor_apply(const governor *g, daft_view *view);

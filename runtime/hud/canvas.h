@@ -92,8 +92,6 @@ typedef struct canvas_sprite {
 canvas_sprite canvas_default_sprite(const daft_image *image);
 /* The source must lie within the image. */
 void canvas_draw_sprite(const canvas *target, const daft_image *image, float x, float y, const canvas_sprite *sprite);
-/* Fills `to` with `from`, which is no larger. */
-void canvas_stretch(const daft_image *from, daft_image *to);
 
 /* ---- text (text.c) ---- */
 

@@ -141,38 +141,3 @@ void canvas_draw_sprite(const canvas *target, const daft_image *image, float x, 
         }
     }
 }
-
-/* ---- a whole picture, larger ---- */
-
-enum { ONE = 256 };
-
-/* Rows between two of `from`, in 1/256 of a texel. */
-static void stretch_row(const uint8_t *upper, const uint8_t *lower, uint32_t down, int width, uint8_t *out,
-                        int out_width)
-{
-    const uint64_t step = ((uint64_t)width << 16) / (uint64_t)out_width;
-    uint64_t place = step / 2;
-    for (int x = 0; x < out_width; x++, place += step, out += 4) {
-        const uint64_t at = place > 32768 ? place - 32768 : 0;
-        const size_t left = (size_t)(at >> 16), right = left + 1 < (size_t)width ? left + 1 : left;
-        const uint32_t across = (uint32_t)(at >> 8 & 255);
-        const uint8_t *a = upper + 4 * left, *b = upper + 4 * right, *c = lower + 4 * left, *d = lower + 4 * right;
-        for (int i = 0; i < 4; i++) {
-            const uint32_t high = a[i] * (ONE - across) + b[i] * across, low = c[i] * (ONE - across) + d[i] * across;
-            out[i] = (uint8_t)((high * (ONE - down) + low * down + ONE * ONE / 2) / (ONE * ONE));
-        }
-    }
-}
-
-void canvas_stretch(const daft_image *from, daft_image *to)
-{
-    const int width = daft_image_width(from), height = daft_image_height(from), rows = daft_image_height(to);
-    const uint8_t *pixels = daft_image_pixels((daft_image *)(uintptr_t)from);
-    const uint64_t step = ((uint64_t)height << 16) / (uint64_t)rows;
-    for (int y = 0; y < rows; y++) {
-        const uint64_t place = (uint64_t)y * step + step / 2, at = place > 32768 ? place - 32768 : 0;
-        const size_t upper = (size_t)(at >> 16), lower = upper + 1 < (size_t)height ? upper + 1 : upper;
-        stretch_row(pixels + 4 * upper * (size_t)width, pixels + 4 * lower * (size_t)width, (uint32_t)(at >> 8 & 255),
-                    width, daft_image_pixels(to) + 4 * (size_t)y * (size_t)daft_image_width(to), daft_image_width(to));
-    }
-}

@@ -1,8 +1,9 @@
-/* A window and gamepads by SDL2: one streaming texture of the picture's size, stretched over the window. F11 and
- * Alt+Enter concern only the window and are handled here. */
+/* A window and gamepads by SDL2; screen.c puts the pictures into it. F11 and Alt+Enter concern only the window and are
+ * handled here. */
 #include "platform/platform.h"
 
 #include "common/util.h"
+#include "platform/screen.h"
 
 #include <SDL.h>
 #include <ctype.h>
@@ -15,12 +16,10 @@
 typedef struct sdl_platform {
     platform face;
     SDL_Window *window;
-    SDL_Renderer *renderer;
-    SDL_Texture *texture;
-    int texture_width, texture_height;
+    screen shows;
     pthread_mutex_t lock; /* around every use of SDL: leave_waits_sdl comes from another thread */
     SDL_GameController *pads[4];
-    bool vsync, grabbed;
+    bool grabbed;
     char typed[SDL_TEXTINPUTEVENT_TEXT_SIZE]; /* letters that are still to be told, from */
     const char *typed_next;                   /* here on; NULL: none */
     bool console;                             /* the last key to go down was that of the console */
@@ -43,8 +42,7 @@ static void close_sdl(platform *self)
     sdl_platform *sdl = (sdl_platform *)self;
     for (size_t i = 0; i < COUNT_OF(sdl->pads); i++)
         if (sdl->pads[i]) SDL_GameControllerClose(sdl->pads[i]);
-    if (sdl->texture) SDL_DestroyTexture(sdl->texture);
-    if (sdl->renderer) SDL_DestroyRenderer(sdl->renderer);
+    screen_close(&sdl->shows);
     if (sdl->window) SDL_DestroyWindow(sdl->window);
     SDL_Quit();
     pthread_mutex_destroy(&sdl->lock);
@@ -320,7 +318,7 @@ static void hide_sdl(platform *self)
 static void size_sdl(platform *self, int *width, int *height)
 {
     sdl_platform *sdl = lock(self);
-    if (SDL_GetRendererOutputSize(sdl->renderer, width, height) != 0) *width = 1280, *height = 720;
+    if (!screen_size(&sdl->shows, width, height)) *width = 1280, *height = 720;
     unlock(sdl);
     if (*width < 1) *width = 1;
     if (*height < 1) *height = 1;
@@ -334,27 +332,10 @@ static bool wants_frame_sdl(platform *self)
     return seen;
 }
 
-static bool show_picture(sdl_platform *sdl, const daft_image *picture, daft_error *error)
-{
-    int width = daft_image_width(picture), height = daft_image_height(picture);
-    if (!sdl->texture || width != sdl->texture_width || height != sdl->texture_height) {
-        if (sdl->texture) SDL_DestroyTexture(sdl->texture);
-        sdl->texture =
-            SDL_CreateTexture(sdl->renderer, SDL_PIXELFORMAT_RGBA32, SDL_TEXTUREACCESS_STREAMING, width, height);
-        if (!sdl->texture) return fail(error, DAFT_ERROR_UNSUPPORTED, "no texture for the window: %s", SDL_GetError());
-        SDL_SetTextureBlendMode(sdl->texture, SDL_BLENDMODE_NONE);
-        sdl->texture_width = width, sdl->texture_height = height;
-    }
-    SDL_UpdateTexture(sdl->texture, NULL, daft_image_pixels((daft_image *)(uintptr_t)picture), 4 * width);
-    SDL_RenderCopy(sdl->renderer, sdl->texture, NULL, NULL);
-    SDL_RenderPresent(sdl->renderer);
-    return true;
-}
-
 static bool present_sdl(platform *self, const daft_image *picture, daft_error *error)
 {
     sdl_platform *sdl = lock(self);
-    bool good = show_picture(sdl, picture, error);
+    bool good = screen_show(&sdl->shows, picture, error);
     unlock(sdl);
     return good;
 }
@@ -365,7 +346,7 @@ static void end_frame_sdl(platform *self)
     sdl_platform *sdl = (sdl_platform *)self;
     const uint64_t frame = 1000000000u / 60;
     uint64_t passed = clock_now_ns() - sdl->last_frame_ns;
-    if ((!sdl->vsync || !wants_frame_sdl(self)) && passed + 1000000u < frame)
+    if ((!sdl->shows.vsync || !wants_frame_sdl(self)) && passed + 1000000u < frame)
         SDL_Delay((Uint32)((frame - passed) / 1000000u));
     sdl->last_frame_ns = clock_now_ns();
 }
@@ -452,7 +433,6 @@ static bool has_display(void)
 
 static bool open_window(sdl_platform *sdl, const char *title, int width, int height)
 {
-    SDL_SetHint(SDL_HINT_RENDER_SCALE_QUALITY, "1");
     SDL_SetHint(SDL_HINT_VIDEO_X11_NET_WM_BYPASS_COMPOSITOR, "0");
     if (SDL_InitSubSystem(SDL_INIT_VIDEO) != 0) return false;
     SDL_InitSubSystem(SDL_INIT_GAMECONTROLLER); /* without gamepads it goes on */
@@ -460,15 +440,11 @@ static bool open_window(sdl_platform *sdl, const char *title, int width, int hei
                                    SDL_WINDOW_RESIZABLE | SDL_WINDOW_ALLOW_HIGHDPI);
     if (!sdl->window) return false;
     SDL_SetWindowMinimumSize(sdl->window, 320, 180);
-    sdl->renderer = SDL_CreateRenderer(sdl->window, -1, SDL_RENDERER_PRESENTVSYNC);
-    if (!sdl->renderer) sdl->renderer = SDL_CreateRenderer(sdl->window, -1, SDL_RENDERER_SOFTWARE);
-    SDL_RendererInfo info;
-    sdl->vsync = sdl->renderer && SDL_GetRendererInfo(sdl->renderer, &info) == 0 &&
-                 (info.flags & SDL_RENDERER_PRESENTVSYNC) && !(info.flags & SDL_RENDERER_SOFTWARE);
+    if (!screen_open(&sdl->shows, sdl->window)) return false;
     /* Elsewhere the system hands events to the thread that made the window. */
     const char *driver = SDL_GetCurrentVideoDriver();
     sdl->any_thread = driver && (strcmp(driver, "x11") == 0 || strcmp(driver, "wayland") == 0);
-    return sdl->renderer != NULL;
+    return true;
 }
 
 platform *platform_open_sdl(const char *title, int width, int height, daft_error *error)

@@ -61,16 +61,12 @@ static void draw_overlay(session *s)
 
 double session_smooth(double before, double now) { return before > 0 ? before * 0.95 + now * 0.05 : now; }
 
-/* The scene, perhaps with fewer pixels than the window has; the panel; and over it what the game draws, which the panel
- * must not cover. */
-static bool draw_game(session *s, float alpha, daft_error *error)
+/* The scene; the panel; and over it what the game draws, which the panel must not cover. */
+static bool draw_game(session *s, float alpha)
 {
-    const bool fewer = s->now.scale < s->def->scale;
-    if (fewer && !session_fit_picture(&s->now, &s->small, error)) return false;
     if (!s->pause.open) session_survey(s, alpha);
-    session_measure_prices(s, fewer ? s->small : s->picture, alpha);
-    if (!game_render(s->play, fewer ? s->small : s->picture, alpha)) return false;
-    if (fewer) canvas_stretch(s->small, s->picture);
+    session_measure_prices(s, s->picture, alpha);
+    if (!game_render(s->play, s->picture, alpha)) return false;
     if (s->xray) {
         const canvas over = canvas_over(s->picture);
         const daft_camera camera = daft_scene_camera(s->play->scene, alpha);
@@ -107,7 +103,7 @@ bool session_draw(session *s, float alpha, daft_error *error)
     s->drawn = s->play->ticks;
     s->placed = (panels){.marks = &s->play->scripts.texts};
     uint64_t began = clock_now_ns();
-    const bool drawn = draw_game(s, alpha, error);
+    const bool drawn = draw_game(s, alpha);
     if (!drawn && !s->play->failed) return false;
     if (drawn) {
         double ms = (double)(clock_now_ns() - began) / 1e6;

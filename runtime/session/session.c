@@ -97,7 +97,6 @@ static void govern(session *s, double elapsed)
         governor_frame(&s->pace, spent, elapsed);
     }
     s->play->def.governor = s->governs ? &s->pace : NULL;
-    s->now.scale = s->governs ? s->def->scale * governor_rung_at(s->pace.rung)->scale : s->def->scale;
 }
 
 /* The game holds the mouse while it asks for it; the error screen releases it. */
@@ -297,7 +296,7 @@ static bool leave(session *s, daft_error *error)
 
 session_end session_play(const session_def *def, const game_info *info, daft_error *error)
 {
-    session s = {.def = def, .now = *def, .info = info, .granted.full_screen = -1};
+    session s = {.def = def, .info = info, .granted.full_screen = -1};
     s.play = &s.games[0];
     char title[160];
     snprintf(title, sizeof title, "%s - DAFT", info->title);
@@ -321,7 +320,6 @@ session_end session_play(const session_def *def, const game_info *info, daft_err
     recorder_free(s.record);
     recording_free(&s.replay);
     daft_image_destroy(s.picture);
-    daft_image_destroy(s.small);
     probe_end(&s.prices);
     daft_image_destroy(s.survey.whole);
     daft_image_destroy(s.survey.reference);

@@ -43,7 +43,6 @@ typedef struct rung_survey {
 
 typedef struct session {
     const session_def *def;
-    session_def now; /* with the size of the scene's picture as the governor wants it */
     const game_info *info;
     const game_source *source;
     governor pace;
@@ -74,7 +73,7 @@ typedef struct session {
     window_wish granted;         /* the last; its icon is only compared */
     bool redraws;                /* while it pauses: the picture is to change */
     bool paced;                  /* the player has set something in this session */
-    daft_image *picture, *small; /* the window's; the scene's, where it has fewer pixels */
+    daft_image *picture; /* the window's */
     daft_history *history;
     loop clock;
     uint64_t last_ns, began_ns;

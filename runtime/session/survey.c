@@ -47,7 +47,6 @@ static bool measure(void *user, daft_scene *scene, const daft_view *view, daft_e
     if (!daft_render(scene, &seen, v->reference, error)) return false; /* it also finds out what has moved */
     seen.first_row = seen.row_count = 0, seen.quality = own;
     governor_set(rung, &seen.quality);
-    seen.quality.scale = fmaxf(0.1f, own.scale * (float)governor_rung_at(rung)->scale);
     const uint64_t began = clock_now_ns();
     if (!daft_render(scene, &seen, v->whole, error)) return false;
     v->ms[rung][round] = (double)(clock_now_ns() - began) / 1e6;

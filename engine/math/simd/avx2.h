@@ -16,6 +16,19 @@ DAFT_INLINE uint32_t v8_le_bits(v8 a, v8 b)
     return (uint32_t)_mm256_movemask_ps(_mm256_cmp_ps((__m256)a, (__m256)b, _CMP_LE_OQ));
 }
 
+#define DAFT_NATIVE_8_BYTES
+DAFT_INLINE v8 v8_promote(const uint8_t p[8])
+{
+    return (v8)_mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)(const void *)p)));
+}
+DAFT_INLINE void v8_demote(v8 a, uint8_t p[8])
+{ /* as v4_demote; packing goes by halves */
+    const __m256 real = _mm256_min_ps(_mm256_max_ps((__m256)a, _mm256_setzero_ps()), _mm256_set1_ps(255));
+    const __m256i whole = _mm256_cvttps_epi32(real);
+    const __m128i words = _mm_packs_epi32(_mm256_castsi256_si128(whole), _mm256_extracti128_si256(whole, 1));
+    _mm_storel_epi64((__m128i *)(void *)p, _mm_packus_epi16(words, words));
+}
+
 #define DAFT_NATIVE_8_LANES
 DAFT_INLINE v4 v8_lower_half(v8 a) { return (v4)_mm256_castps256_ps128((__m256)a); }
 DAFT_INLINE v4 v8_upper_half(v8 a) { return (v4)_mm256_extractf128_ps((__m256)a, 1); }

@@ -165,6 +165,8 @@ DAFT_INLINE uint32_t v8_le_bits(v8 a, v8 b);            /* BitsFromMask(Le): bit
 DAFT_INLINE v4 v8_lower_half(v8 a);                     /* LowerHalf: lanes 0 to 3 */
 DAFT_INLINE v4 v8_upper_half(v8 a);                     /* UpperHalf: lanes 4 to 7 */
 DAFT_INLINE v8 v8_combine(v4 high, v4 low);             /* Combine: low in lanes 0 to 3, high in 4 to 7 */
+DAFT_INLINE v8 v8_promote(const uint8_t p[8]);          /* as v4_promote */
+DAFT_INLINE void v8_demote(v8 a, uint8_t p[8]);         /* as v4_demote */
 DAFT_INLINE v8i v8i_table_lookup(v8i table, v8i index); /* TableLookupLanes: table[index[i]]; indices of 0 to 7 */
 /* CompressStore of first, first + 1, … by the bits set: the numbers of these bits, ascending; up to eight are written.
  * Gives how many bits. */
@@ -176,6 +178,9 @@ DAFT_INLINE v4 v4_max(v4 a, v4 b);             /* as vf_max */
 DAFT_INLINE v4 v4_sqrt(v4 a);                  /* as vf_sqrt */
 DAFT_INLINE v4i v4i_convert_to(v4 a);          /* as vi_convert_to */
 DAFT_INLINE uint32_t v4_bits_from_mask(v4i m); /* BitsFromMask: of lanes' sign bits */
+DAFT_INLINE v4 v4_promote(const uint8_t p[4]); /* PromoteTo: of bytes in memory */
+/* DemoteTo bytes in memory: towards zero, what is below 0 becomes 0 and what is above 255 becomes 255; NaN becomes 0. */
+DAFT_INLINE void v4_demote(v4 a, uint8_t p[4]);
 /* x has lanes 0 of a, b, c; y lanes 1; z lanes 2. Their lanes 3 mean nothing. */
 DAFT_INLINE void v4_transpose3(v4 a, v4 b, v4 c, v4 *x, v4 *y, v4 *z);
 

@@ -236,9 +236,23 @@ DAFT_INLINE uint32_t v4_bits_from_mask(v4i m)
     for (int i = 0; i < 4; i++) bits |= ((uint32_t)m[i] >> 31) << i;
     return bits;
 }
+DAFT_INLINE v4 v4_promote(const uint8_t p[4]) { return (v4){p[0], p[1], p[2], p[3]}; }
+DAFT_INLINE void v4_demote(v4 a, uint8_t p[4])
+{
+    for (int i = 0; i < 4; i++) p[i] = a[i] > 0 ? a[i] < 255 ? (uint8_t)a[i] : 255 : 0;
+}
 DAFT_INLINE void v4_transpose3(v4 a, v4 b, v4 c, v4 *x, v4 *y, v4 *z)
 {
     *x = (v4){a[0], b[0], c[0], 0}, *y = (v4){a[1], b[1], c[1], 0}, *z = (v4){a[2], b[2], c[2], 0};
+}
+#endif
+
+#ifndef DAFT_NATIVE_8_BYTES
+DAFT_INLINE v8 v8_promote(const uint8_t p[8]) { return v8_combine(v4_promote(p + 4), v4_promote(p)); }
+DAFT_INLINE void v8_demote(v8 a, uint8_t p[8])
+{
+    v4_demote(v8_lower_half(a), p);
+    v4_demote(v8_upper_half(a), p + 4);
 }
 #endif
 

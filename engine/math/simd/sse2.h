@@ -11,6 +11,20 @@ DAFT_INLINE v4 v4_max(v4 a, v4 b) { return (v4)_mm_max_ps((__m128)a, (__m128)b);
 DAFT_INLINE v4 v4_sqrt(v4 a) { return (v4)_mm_sqrt_ps((__m128)a); }
 DAFT_INLINE v4i v4i_convert_to(v4 a) { return (v4i)_mm_cvttps_epi32((__m128)a); }
 DAFT_INLINE uint32_t v4_bits_from_mask(v4i m) { return (uint32_t)_mm_movemask_ps((__m128)m); }
+DAFT_INLINE v4 v4_promote(const uint8_t p[4])
+{
+    int32_t bytes;
+    memcpy(&bytes, p, 4);
+    const __m128i zero = _mm_setzero_si128(), words = _mm_unpacklo_epi8(_mm_cvtsi32_si128(bytes), zero);
+    return (v4)_mm_cvtepi32_ps(_mm_unpacklo_epi16(words, zero));
+}
+DAFT_INLINE void v4_demote(v4 a, uint8_t p[4])
+{ /* beyond INT32_MAX a conversion gives INT32_MIN: so the bounds come first; max(NaN, 0) is 0 */
+    const __m128 real = _mm_min_ps(_mm_max_ps((__m128)a, _mm_setzero_ps()), _mm_set1_ps(255));
+    const __m128i words = _mm_packs_epi32(_mm_cvttps_epi32(real), _mm_setzero_si128());
+    const int32_t bytes = _mm_cvtsi128_si32(_mm_packus_epi16(words, words));
+    memcpy(p, &bytes, 4);
+}
 DAFT_INLINE void v4_transpose3(v4 a, v4 b, v4 c, v4 *x, v4 *y, v4 *z)
 {
     __m128 low = _mm_unpacklo_ps((__m128)a, (__m128)b), high = _mm_unpackhi_ps((__m128)a, (__m128)b);

@@ -2,6 +2,7 @@
 #include "base/budget.h"
 #include "image/color.h"
 #include "image/image.h"
+#include "math/simd/dispatch.h"
 #include "math/trig.h"
 #include "support_content.h"
 
@@ -548,6 +549,66 @@ static void textures_are_made_in_little_memory(void **unused)
     assert_int_equal(memory.live, 0);
 }
 
+/* ---- enlarging ---- */
+
+/* A byte of `image`, with its border repeated beyond. */
+static double byte_at(const daft_image *image, int x, int y, int channel)
+{
+    x = x < 0 ? 0 : x >= image->width ? image->width - 1 : x;
+    y = y < 0 ? 0 : y >= image->height ? image->height - 1 : y;
+    return (double)image->pixels[4 * (y * image->width + x) + channel];
+}
+
+/* Of a to d, at the fraction f between b and c. */
+static double between(double a, double b, double c, double d, double f, daft_upscale how)
+{
+    if (how == DAFT_UPSCALE_NEAREST) return f < 0.5 ? b : c;
+    if (how == DAFT_UPSCALE_BILINEAR) return b + (c - b) * f;
+    const double curve =
+        b + 0.5 * f * (c - a + f * (2 * a - 5 * b + 4 * c - d + f * (3 * (b - c) + d - a))); /* Catmull, Rom 1974 */
+    return fmin(fmax(curve, fmin(b, c)), fmax(b, c));
+}
+
+static double enlarged(const daft_image *from, const daft_image *to, int x, int y, int channel, daft_upscale how)
+{
+    const double px = (x + 0.5) * from->width / to->width - 0.5, py = (y + 0.5) * from->height / to->height - 0.5;
+    const int left = (int)floor(px), top = (int)floor(py);
+    double column[4];
+    for (int i = 0; i < 4; i++) {
+        double row[4];
+        for (int j = 0; j < 4; j++) row[j] = byte_at(from, left - 1 + i, top - 1 + j, channel);
+        column[i] = between(row[0], row[1], row[2], row[3], py - top, how);
+    }
+    return between(column[0], column[1], column[2], column[3], px - left, how);
+}
+
+static void enlarging_is_as_in_double(void **unused)
+{
+    (void)unused;
+    static const int sizes[][4] = {{1, 1, 5, 3}, {2, 3, 2, 3}, {3, 2, 7, 7}, {17, 9, 31, 18}, {40, 30, 80, 60}, {1, 8, 1, 9}};
+    daft_allocator allocator = counting_allocator(&memory);
+    for (size_t i = 0; i < DAFT_COUNT_OF(sizes) * DAFT_ISA_COUNT * 3; i++) {
+        const int *size = sizes[i % DAFT_COUNT_OF(sizes)];
+        const int isa = (int)(i / DAFT_COUNT_OF(sizes) % DAFT_ISA_COUNT);
+        const daft_upscale how = (daft_upscale)(i / DAFT_COUNT_OF(sizes) / DAFT_ISA_COUNT);
+        int found;
+        if (daft_isa_find(daft_isa_name(isa), &found) != DAFT_ISA_READY) continue;
+        daft_image from = make_image(&allocator, size[0], size[1]), to = make_image(&allocator, size[2], size[3]);
+        void *scratch = daft_alloc(&allocator, daft_image_enlarge_bytes(&from, &to, 2), 1);
+        daft_image_enlarge(&from, &to, how, scratch, 2, isa);
+        for (int y = 0; y < to.height; y++)
+            for (int x = 0; x < to.width; x++)
+                for (int channel = 0; channel < 4; channel++) {
+                    const double true_value = enlarged(&from, &to, x, y, channel, how);
+                    const double byte = (double)to.pixels[4 * (y * to.width + x) + channel];
+                    assert_true(fabs(byte - true_value) < 0.5001);
+                }
+        daft_release(&allocator, scratch);
+        daft_image_free(&from), daft_image_free(&to);
+    }
+    assert_int_equal(memory.live, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -561,6 +622,7 @@ int main(void)
         cmocka_unit_test(the_srgb_curve),
         cmocka_unit_test(levels_halve_down_to_one_texel),
         cmocka_unit_test(filtering_is_in_linear_light),
+        cmocka_unit_test(enlarging_is_as_in_double),
         cmocka_unit_test(one_colour_stays_that_colour),
         cmocka_unit_test(the_missing_texture_is_a_checker),
         cmocka_unit_test(skies_are_linear),

@@ -183,6 +183,20 @@ OP(v4_max) { v4_store(out->f, v4_max(v4_load(in->a), v4_load(in->b))); }
 OP(v4_sqrt) { v4_store(out->f, v4_sqrt(v4_load(in->a))); }
 OP(v4_abs) { v4_store(out->f, v4_abs(v4_load(in->a))); }
 OP(v4i_convert_to) { v4_store(out->f, (v4)v4i_convert_to(v4_load(in->a))); }
+OP(v4_promote) { v4_store(out->f, v4_promote(in->bytes)); }
+OP(v8_promote) { v8_store(out->f, v8_promote(in->bytes)); }
+OP(v8_demote)
+{
+    uint8_t bytes[8];
+    v8_demote(v8_load(in->a), bytes);
+    memcpy(out->u, bytes, 8);
+}
+OP(v4_demote)
+{
+    uint8_t bytes[4];
+    v4_demote(v4_load(in->a), bytes);
+    memcpy(out->u, bytes, 4);
+}
 OP(v4_bits_from_mask) { out->u[0] = v4_bits_from_mask((v4i)v4_load((const float *)in->m)); }
 OP(v4_transpose3)
 {

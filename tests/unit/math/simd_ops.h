@@ -56,7 +56,7 @@ typedef union simd_out {
     X(v8_upper_half, 'b') X(v8_combine, 'b') X(v8i_table_lookup, 'b') X(v8i_store_set_bits, 'b')                               \
     X(v4_min, 'b') X(v4_max, 'b') X(v4_sqrt, 'f') X(v4_abs, 'b') X(v4i_convert_to, 'b') X(v4_bits_from_mask, 'b')              \
     X(v4_transpose3, 'b') X(v4_reduce_min4, 'b') X(vu8_nondigits_16, 'b') X(vu8_nondigits_32, 'b') X(vu8_nondigits_64, 'b')    \
-    X(vu8_test_bit, 'b')
+    X(v4_promote, 'b') X(v4_demote, 'b') X(v8_promote, 'b') X(v8_demote, 'b') X(vu8_test_bit, 'b')
 /* clang-format on */
 
 #define SIMD_ENUM(name, kind) SIMD_##name,

@@ -331,6 +331,19 @@ TWIN(v4_max) { FOUR out->f[i] = max_of(in->a[i], in->b[i]); }
 TWIN(v4_sqrt) { FOUR out->f[i] = sqrtf(in->a[i]); }
 TWIN(v4_abs) { FOUR out->f[i] = fabsf(in->a[i]); }
 TWIN(v4i_convert_to) { FOUR out->i[i] = integer_of(in->a[i]); }
+TWIN(v4_promote) { FOUR out->f[i] = (float)in->bytes[i]; }
+static uint32_t byte_of(float a) { return a > 255 ? 255 : a > 0 ? (uint32_t)a : 0; }
+TWIN(v4_demote)
+{
+    out->u[0] = 0;
+    FOUR out->u[0] |= byte_of(in->a[i]) << 8 * i;
+}
+TWIN(v8_promote) { EIGHT out->f[i] = (float)in->bytes[i]; }
+TWIN(v8_demote)
+{
+    out->u[0] = out->u[1] = 0;
+    EIGHT out->u[i / 4] |= byte_of(in->a[i]) << 8 * (i % 4);
+}
 TWIN(v4_bits_from_mask)
 {
     out->u[0] = 0;
