@@ -534,6 +534,9 @@ typedef struct daft_transform {
 DAFT_API bool daft_entity_get_transform(daft_scene *scene, daft_entity entity, daft_transform *out, daft_error *error);
 DAFT_API bool daft_entity_set_transform(daft_scene *scene, daft_entity entity, const daft_transform *transform,
                                         bool teleport, daft_error *error);
+/* Of the transform the position alone. */
+DAFT_API bool daft_entity_set_position(daft_scene *scene, daft_entity entity, daft_dvec3 position, bool teleport,
+                                       daft_error *error);
 /* The same in the world, whatever it hangs on. Where a parent of uneven scale shears it, its own X axis keeps its
  * direction and the scale is the axes' lengths. Setting fails where a parent's scale is 0. */
 DAFT_API bool daft_entity_get_world_transform(daft_scene *scene, daft_entity entity, daft_transform *out,

@@ -1,5 +1,5 @@
-/* Each row of the target is a mix of the source's rows, and each of its pixels a mix of that row's: two pixels at a time,
- * a channel to a lane. */
+/* Each row of the target is a mix of the source's rows, and each of its pixels a mix of that row's: two pixels at a
+ * time, a channel to a lane. */
 #include "image/resize.h"
 #include "math/simd/ops.h"
 

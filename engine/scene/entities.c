@@ -256,6 +256,35 @@ static bool scale_check(const daft_scene *scene, uint32_t root, const daft_entit
     return true;
 }
 
+/* Before `now` becomes that of this tick. */
+static void keep_before(daft_scene *scene, daft_entity_item *item)
+{
+    if (item->moved_tick != scene->tick) item->before = item->now;
+    item->moved_tick = scene->moved_tick = scene->tick;
+}
+
+/* After `now` has changed. */
+static void finish_move(daft_scene *scene, daft_entity_item *item, bool teleport)
+{
+    if (teleport) item->before = item->now;
+    if (item->body) daft_world_set_pose(scene->world, item->body, item->now.position, item->now.rotation, teleport);
+    daft_scene_touch(scene);
+}
+
+bool daft_entity_set_position(daft_scene *scene, daft_entity entity, daft_dvec3 position, bool teleport,
+                              daft_error *error)
+{
+    daft_error_clear(error);
+    daft_entity_item *item = daft_entity_change(scene, entity, error);
+    if (!item || !daft_check_finite_position(error, "position", position) ||
+        (item->body && !daft_body_check_position(position, error)))
+        return false;
+    keep_before(scene, item);
+    item->now.position = position;
+    finish_move(scene, item, teleport);
+    return true;
+}
+
 bool daft_entity_set_transform(daft_scene *scene, daft_entity entity, const daft_transform *transform, bool teleport,
                                daft_error *error)
 {
@@ -265,13 +294,10 @@ bool daft_entity_set_transform(daft_scene *scene, daft_entity entity, const daft
         !scale_check(scene, daft_handle_index(entity.id), &item->def, transform->scale, error) ||
         (item->body && !daft_body_check_position(transform->position, error)))
         return false;
-    if (item->moved_tick != scene->tick) item->before = item->now;
-    item->moved_tick = scene->moved_tick = scene->tick;
+    keep_before(scene, item);
     item->now = *transform;
     item->now.rotation = unit(transform->rotation);
-    if (teleport) item->before = item->now;
-    if (item->body) daft_world_set_pose(scene->world, item->body, item->now.position, item->now.rotation, teleport);
-    daft_scene_touch(scene);
+    finish_move(scene, item, teleport);
     return true;
 }
 

@@ -54,11 +54,14 @@ bool daft_render_small(daft_scene *scene, const daft_view *view, daft_image *tar
     daft_view inner = *view;
     inner.quality.scale = 1;
     daft_image *small = small_of(scene, width, height, error);
-    if (!small || !need_scratch(scene, daft_image_enlarge_bytes(small, target, scene->engine->threads), error)) return false;
+    if (!small || !need_scratch(scene, daft_image_enlarge_bytes(small, target, scene->engine->threads), error))
+        return false;
     target->drawing = true;
     const bool drawn = daft_render(scene, &inner, small, error);
     target->drawing = false;
-    if (drawn) daft_image_enlarge(small, target, view->quality.upscale, scene->scratch, scene->engine->threads, scene->engine->isa);
+    if (drawn)
+        daft_image_enlarge(small, target, view->quality.upscale, scene->scratch, scene->engine->threads,
+                           scene->engine->isa);
     return drawn;
 }
 

@@ -186,13 +186,14 @@ typedef struct daft_sight {
     daft_dvec3 origin;
 } daft_sight;
 
+/* What a move reads and writes comes first: games move thousands in a tick. */
 typedef struct daft_entity_item {
-    daft_entity_def def; /* its transform is not kept up to date: `now` is */
     daft_transform now, before;
     uint64_t moved_tick;                          /* `before` means something in this tick alone */
-    uint32_t parent, first_child, next, previous; /* indices; next and previous: the parent's other children */
-    uint32_t box;                                 /* DAFT_SHAPE_BOX: index into assets.boxes */
     uint32_t body;                                /* of the world, 0: none */
+    uint32_t box;                                 /* DAFT_SHAPE_BOX: index into assets.boxes */
+    uint32_t parent, first_child, next, previous; /* indices; next and previous: the parent's other children */
+    daft_entity_def def;                          /* its transform is not kept up to date: `now` is */
     uint32_t *geometries;                         /* that the body is made of; NULL: none */
     uint32_t geometry_count;
     uint32_t moving_slot;    /* dynamic and kinematic bodies: index into scene.moving */

@@ -5,13 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define BUDGET   0.95 /* of the target: what is left is for showing the picture */
-#define ROOM     0.85 /* of the target, that a dearer rung must be expected to keep */
-#define CHANGE   1000.0
-#define HOLD     2000.0
-#define HOLD_MAX 32000.0
+#define BUDGET      0.95 /* of the target: what is left is for showing the picture */
+#define ROOM        0.85 /* of the target, that a dearer rung must be expected to keep */
+#define CHANGE      1000.0
+#define HOLD        2000.0
+#define HOLD_MAX    32000.0
 #define LEAST_SCALE 0.1f /* of a quality */
-#define OUTLIER  1.6 /* times the median: such a frame is slow for another reason than its picture */
+#define OUTLIER     1.6  /* times the median: such a frame is slow for another reason than its picture */
 
 enum {
     FULL = 9,

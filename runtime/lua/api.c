@@ -120,32 +120,45 @@ int api_engine_error(lua_State *L, host *h, const daft_error *error)
 
 /* ---- calls ---- */
 
-static void check_method(lua_State *L, host *h, const api_function *function, api_type type)
+static void no_method(lua_State *L, host *h, const api_function *function, api_type type)
 {
-    if (api_test_handle(L, 1, type)) return;
     api_error(L, h, "%s expected before the colon, got %s: call it as x:%s(...)", TYPES[type],
               lua_isnone(L, 1) ? "nothing" : api_type_name(L, 1), strchr(function->name, ':') + 1);
 }
 
-/* Every binding is called through this. Upvalues: its table entry, and the type that it is a method of, or -1. */
+typedef struct binding {
+    const api_function *function;
+    int type; /* an api_type that it is a method of, or -1 */
+} binding;
+
+/* Every function of the API is called through this. Upvalue: its binding. */
 static int dispatch(lua_State *L)
 {
-    const api_function *function = lua_touserdata(L, lua_upvalueindex(1));
-    const lua_Integer type = lua_tointeger(L, lua_upvalueindex(2));
+    const binding *called = lua_touserdata(L, lua_upvalueindex(1));
+    const api_function *function = called->function;
     host *h = api_host(L);
     h->calling = function;
     if (h->picture && (function->flags & API_CHANGES))
         api_error(L, h, "not within daft.draw: drawing must not change the game, so do this in daft.update");
     if (!h->picture && (function->flags & API_DRAWS)) api_error(L, h, "only within daft.draw");
-    if (type >= 0) check_method(L, h, function, (api_type)type);
+    if (called->type >= 0) {
+        const api_handle *self = lua_type(L, 1) == LUA_TUSERDATA ? lua_touserdata(L, 1) : NULL;
+        if (!self || self->type != called->type) no_method(L, h, function, (api_type)called->type);
+        h->self = self;
+    }
     return function->call(L, h);
+}
+
+static void push_binding(lua_State *L, const api_function *function, int type)
+{
+    binding *made = lua_newuserdatauv(L, sizeof *made, 0);
+    *made = (binding){function, type};
 }
 
 static void push_function(lua_State *L, const api_function *function, int type)
 {
-    lua_pushlightuserdata(L, (void *)(uintptr_t)function);
-    lua_pushinteger(L, type);
-    lua_pushcclosure(L, dispatch, 2);
+    push_binding(L, function, type);
+    lua_pushcclosure(L, dispatch, 1);
 }
 
 /* daft.input.mouse is a table that can be called; the call must not see the table. */
@@ -207,9 +220,8 @@ static void guard(lua_State *L, const char *path, const api_function *call_as)
     lua_pushboolean(L, false);
     lua_setfield(L, -2, "__metatable");
     if (call_as) {
-        lua_pushlightuserdata(L, (void *)(uintptr_t)call_as);
-        lua_pushinteger(L, -1);
-        lua_pushcclosure(L, call_table, 2);
+        push_binding(L, call_as, -1);
+        lua_pushcclosure(L, call_table, 1);
         lua_setfield(L, -2, "__call");
     }
     lua_setmetatable(L, -2);

@@ -97,7 +97,7 @@ static daft_dvec3 three_numbers(lua_State *L, host *h, int index, const char *wh
 
 daft_dvec3 api_place(lua_State *L, host *h, int index, const char *what)
 {
-    const api_handle *handle = api_test_handle(L, index, API_ENTITY);
+    const api_handle *handle = lua_type(L, index) == LUA_TUSERDATA ? api_test_handle(L, index, API_ENTITY) : NULL;
     if (!handle) return three_numbers(L, h, index, what);
     daft_transform transform;
     daft_error error;

@@ -93,11 +93,12 @@ typedef struct host {
     double rumble_seconds;          /* for so long, from now; 0: nothing is new */
     actions actions;
     window_wish window;
-    double target_ms;            /* that a frame may take; 0: any; below 0: the script has not said */
-    const api_function *calling; /* the binding that runs, for messages */
-    const char *callback;        /* the callback that runs, for messages */
-    uint64_t call_ran;           /* instructions, in steps of WATCH_STEP */
-    uint64_t call_limit;         /* of them, for this call; 0: that of the definition */
+    double target_ms;              /* that a frame may take; 0: any; below 0: the script has not said */
+    const api_function *calling;   /* the binding that runs, for messages */
+    const struct api_handle *self; /* what it was called on, if it is a method: of its type; until it calls another */
+    const char *callback;          /* the callback that runs, for messages */
+    uint64_t call_ran;             /* instructions, in steps of WATCH_STEP */
+    uint64_t call_limit;           /* of them, for this call; 0: that of the definition */
     watchdog *dog;
     lua_State *_Atomic running; /* the state or coroutine that runs: where a stop is to strike */
     watchdog_state ended;       /* how the last call came to its end; RUNNING: by itself */

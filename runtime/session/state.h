@@ -68,11 +68,11 @@ typedef struct session {
     saves *kept, *own; /* the game's; the program's */
     player_settings settings;
     pause_menu pause;
-    key_map keys;                /* the player's */
-    held_inputs held;            /* what the player holds */
-    window_wish granted;         /* the last; its icon is only compared */
-    bool redraws;                /* while it pauses: the picture is to change */
-    bool paced;                  /* the player has set something in this session */
+    key_map keys;        /* the player's */
+    held_inputs held;    /* what the player holds */
+    window_wish granted; /* the last; its icon is only compared */
+    bool redraws;        /* while it pauses: the picture is to change */
+    bool paced;          /* the player has set something in this session */
     daft_image *picture; /* the window's */
     daft_history *history;
     loop clock;

@@ -179,7 +179,8 @@ DAFT_INLINE v4 v4_sqrt(v4 a);                  /* as vf_sqrt */
 DAFT_INLINE v4i v4i_convert_to(v4 a);          /* as vi_convert_to */
 DAFT_INLINE uint32_t v4_bits_from_mask(v4i m); /* BitsFromMask: of lanes' sign bits */
 DAFT_INLINE v4 v4_promote(const uint8_t p[4]); /* PromoteTo: of bytes in memory */
-/* DemoteTo bytes in memory: towards zero, what is below 0 becomes 0 and what is above 255 becomes 255; NaN becomes 0. */
+/* DemoteTo bytes in memory: towards zero, what is below 0 becomes 0 and what is above 255 becomes 255; NaN becomes 0.
+ */
 DAFT_INLINE void v4_demote(v4 a, uint8_t p[4]);
 /* x has lanes 0 of a, b, c; y lanes 1; z lanes 2. Their lanes 3 mean nothing. */
 DAFT_INLINE void v4_transpose3(v4 a, v4 b, v4 c, v4 *x, v4 *y, v4 *z);

@@ -115,7 +115,7 @@ static daft_transform get_transform(lua_State *L, host *h)
 {
     daft_transform transform;
     daft_error error;
-    if (!daft_entity_get_transform(h->def.scene, api_entity_at(L, h, 1, "entity"), &transform, &error))
+    if (!daft_entity_get_transform(h->def.scene, (daft_entity){h->self->id}, &transform, &error))
         api_engine_error(L, h, &error);
     return transform;
 }
@@ -123,26 +123,31 @@ static daft_transform get_transform(lua_State *L, host *h)
 static int set_transform(lua_State *L, host *h, const daft_transform *transform, bool teleport)
 {
     daft_error error;
-    if (!daft_entity_set_transform(h->def.scene, api_entity_at(L, h, 1, "entity"), transform, teleport, &error))
+    if (!daft_entity_set_transform(h->def.scene, (daft_entity){h->self->id}, transform, teleport, &error))
         api_engine_error(L, h, &error);
+    return 0;
+}
+
+static int set_position(lua_State *L, host *h, bool teleport)
+{
+    daft_error error;
+    const daft_entity entity = {h->self->id};
+    const daft_dvec3 place = api_place(L, h, 2, "position");
+    if (!daft_entity_set_position(h->def.scene, entity, place, teleport, &error)) api_engine_error(L, h, &error);
     return 0;
 }
 
 static int position(lua_State *L, host *h)
 {
-    daft_transform transform = get_transform(L, h);
-    if (lua_gettop(L) < 2) return api_push_numbers(L, transform.position.x, transform.position.y, transform.position.z);
-    api_check_may_change(L, h);
-    transform.position = api_place(L, h, 2, "position");
-    return set_transform(L, h, &transform, false);
+    if (lua_gettop(L) >= 2) {
+        api_check_may_change(L, h);
+        return set_position(L, h, false);
+    }
+    const daft_transform transform = get_transform(L, h);
+    return api_push_numbers(L, transform.position.x, transform.position.y, transform.position.z);
 }
 
-static int teleport(lua_State *L, host *h)
-{
-    daft_transform transform = get_transform(L, h);
-    transform.position = api_place(L, h, 2, "position");
-    return set_transform(L, h, &transform, true);
-}
+static int teleport(lua_State *L, host *h) { return set_position(L, h, true); }
 
 static int rotation(lua_State *L, host *h)
 {

@@ -41,7 +41,7 @@ static double play(const char *folder, const char *game, int ticks, char said[TE
 /* The best of some: what disturbs one makes it longer, and the difference of two anything. */
 static double best_of(const char *game, int ticks)
 {
-    enum { TIMES = 3 };
+    enum { TIMES = 5 };
     char said[TEXT];
     double best = -1;
     for (int i = 0; i < TIMES; i++) {
@@ -91,7 +91,7 @@ static void describe_order(void *context, char *out, size_t size)
 void bench_scripts(bench *self)
 {
     const double each = 1e6 / TURNS; /* nanoseconds a turn, of milliseconds a tick */
-    script_job moved = {"move", "still", NULL, 60, 1}, method = {"method", "empty", NULL, 6, each},
+    script_job moved = {"move", "still", NULL, 300, 1}, method = {"method", "empty", NULL, 6, each},
                function = {"function", "empty", NULL, 6, each}, order = {"pairs", "empty", "ipairs", 6, each};
     const bench_subject subjects[] = {
         {.scene = "lua",

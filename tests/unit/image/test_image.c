@@ -585,7 +585,8 @@ static double enlarged(const daft_image *from, const daft_image *to, int x, int 
 static void enlarging_is_as_in_double(void **unused)
 {
     (void)unused;
-    static const int sizes[][4] = {{1, 1, 5, 3}, {2, 3, 2, 3}, {3, 2, 7, 7}, {17, 9, 31, 18}, {40, 30, 80, 60}, {1, 8, 1, 9}};
+    static const int sizes[][4] = {{1, 1, 5, 3},    {2, 3, 2, 3},     {3, 2, 7, 7},
+                                   {17, 9, 31, 18}, {40, 30, 80, 60}, {1, 8, 1, 9}};
     daft_allocator allocator = counting_allocator(&memory);
     for (size_t i = 0; i < DAFT_COUNT_OF(sizes) * DAFT_ISA_COUNT * 3; i++) {
         const int *size = sizes[i % DAFT_COUNT_OF(sizes)];

@@ -294,13 +294,62 @@ static void sizes_are_checked(void **state)
     assert_string_equal(error.message, "scene is NULL");
 }
 
+/* Setting the position alone is setting the transform with another position: by the hash of the whole scene, and by
+ * what drawing sees between two ticks. */
+static void positions_are_set_as_transforms_are(void **state)
+{
+    fixture *f = *state;
+    daft_error error;
+    daft_scene *other = daft_scene_create(f->engine, &error), *scenes[2] = {f->scene, other};
+    daft_entity entity[2][3], far, gone;
+    for (int i = 0; i < 2; i++) {
+        daft_entity_def box = body_def(DAFT_SHAPE_BOX, DAFT_BODY_KINEMATIC), child = daft_default_entity_def();
+        box.rotation = (daft_quat){0.1f, 0.2f, 0.3f, 0.9f};
+        entity[i][0] = daft_entity_create(scenes[i], &box, &error);
+        box.body = DAFT_BODY_DYNAMIC, box.position.x = 30;
+        entity[i][1] = daft_entity_create(scenes[i], &box, &error);
+        child.parent = entity[i][0], child.shape = DAFT_SHAPE_SPHERE;
+        entity[i][2] = daft_entity_create(scenes[i], &child, &error);
+        assert_true(entity[i][0].id && entity[i][1].id && entity[i][2].id);
+    }
+    random_state = 77;
+    for (int step = 0; step < 200; step++) {
+        const int which = (int)uniform(0, 3);
+        const bool teleport = uniform(0, 1) < 0.3;
+        const daft_dvec3 to = daft_dv3(uniform(-9, 9), uniform(-9, 9), uniform(-9, 9));
+        daft_transform moved = transform_of(other, entity[1][which]), seen[2];
+        moved.position = to;
+        assert_true(daft_entity_set_position(f->scene, entity[0][which], to, teleport, &error));
+        assert_true(daft_entity_set_transform(other, entity[1][which], &moved, teleport, &error));
+        for (int i = 0; i < 2; i++) seen[i] = transform_of(scenes[i], entity[i][which]);
+        assert_memory_equal(&seen[0].position, &seen[1].position, sizeof to);
+        assert_true(daft_scene_hash(f->scene) == daft_scene_hash(other));
+        const daft_entity_item *a = f->scene->entities, *b = other->entities;
+        for (int i = 0; i < 3; i++) assert_memory_equal(&a[i].before.position, &b[i].before.position, sizeof to);
+        if (step % 3 != 0) continue;
+        for (int i = 0; i < 2; i++) {
+            daft_scene_begin_tick(scenes[i]);
+            assert_true(daft_scene_step(scenes[i], 1.0f / 60, &error));
+        }
+    }
+    far = entity[0][0], gone = entity[0][2];
+    assert_false(daft_entity_set_position(f->scene, far, daft_dv3(0, 1e13, 0), false, &error));
+    assert_non_null(strstr(error.message, "position.y is 1e+13"));
+    assert_false(daft_entity_set_position(f->scene, far, daft_dv3(0, NAN, 0), false, &error));
+    assert_string_equal(error.message, "position.y is nan; it must be finite");
+    assert_true(daft_entity_destroy(f->scene, gone, &error));
+    assert_false(daft_entity_set_position(f->scene, gone, daft_dv3(0, 0, 0), false, &error));
+    assert_non_null(strstr(error.message, "stale"));
+    daft_scene_destroy(other);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         TEST(bodies_say_what_they_may_be), TEST(a_ball_falls_and_rests),
         TEST(kinematic_bodies_move),       TEST(bodies_die_with_their_entities),
         TEST(only_numbers_get_in),         TEST(rays_are_checked),
-        TEST(sizes_are_checked),
+        TEST(sizes_are_checked),           TEST(positions_are_set_as_transforms_are),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
