@@ -57,7 +57,27 @@ static void run_span(span all)
 
 /* ---- loops ---- */
 
-enum { SPINS = 2000 /* before a waiting worker lets others run: some tens of microseconds */ };
+/* A thread that waits first spins, for some tens of microseconds, then lets others run, and then sleeps: where other
+ * programs want its processor, which it sees by a yield that takes long, or after a while. Who sleeps is run again soon
+ * after it is woken, where who yields stands in line behind them. */
+enum { SPINS = 2000, YIELDS = 1000 };
+static const double LONG_YIELD_MS = 0.1;
+
+typedef struct waiting {
+    int spins;
+} waiting;
+
+/* False: it has waited long enough, and is to sleep. */
+static bool wait_a_little(waiting *w)
+{
+    if (++w->spins <= SPINS) {
+        daft_cpu_pause();
+        return true;
+    }
+    const double before = daft_clock_ms();
+    sched_yield();
+    return w->spins < SPINS + YIELDS && daft_clock_ms() - before < LONG_YIELD_MS;
+}
 
 /* What is left of a worker's range: end << 32 | next. */
 typedef struct range {
@@ -70,7 +90,13 @@ typedef struct range {
 struct daft_region {
     range ranges[DAFT_MAX_WORKERS];
     _Alignas(64) atomic_uint unfinished;
+    atomic_uint loops; /* that have begun */
     atomic_bool over;
+    /* Who sleeps says so before looking once more whether to; who wakes looks for sleepers after what they wait for. */
+    atomic_uint asleep;       /* workers */
+    atomic_bool caller_waits; /* asleep, for `unfinished` */
+    pthread_mutex_t lock;
+    pthread_cond_t begun, done;
     uint32_t workers;
     daft_task *task;
     void *context;
@@ -89,27 +115,52 @@ static bool take_from(daft_region *region, range *from, uint32_t worker)
     return true;
 }
 
+static void wake(daft_region *region, pthread_cond_t *sleepers)
+{
+    pthread_mutex_lock(&region->lock);
+    pthread_cond_broadcast(sleepers);
+    pthread_mutex_unlock(&region->lock);
+}
+
 /* The worker's own range, then the others'. */
 static bool take_all(daft_region *region, uint32_t worker)
 {
     unsigned taken = 0;
     for (uint32_t i = 0; i < region->workers; i++)
         while (take_from(region, &region->ranges[(worker + i) % region->workers], worker)) taken++;
-    if (taken) atomic_fetch_sub_explicit(&region->unfinished, taken, memory_order_release);
+    if (taken && atomic_fetch_sub(&region->unfinished, taken) == taken && atomic_load(&region->caller_waits))
+        wake(region, &region->done);
     return taken > 0;
 }
 
-static void wait_a_little(int *spins)
+static void wake_workers(daft_region *region)
 {
-    if (++*spins > SPINS)
-        sched_yield();
-    else
-        daft_cpu_pause();
+    if (atomic_load(&region->asleep) > 0) wake(region, &region->begun);
+}
+
+/* Until a loop begins that is not `seen`, or all is over. */
+static void sleep_for_loop(daft_region *region, uint32_t seen)
+{
+    pthread_mutex_lock(&region->lock);
+    atomic_fetch_add(&region->asleep, 1);
+    while (atomic_load(&region->loops) == seen && !atomic_load(&region->over))
+        pthread_cond_wait(&region->begun, &region->lock);
+    atomic_fetch_sub(&region->asleep, 1);
+    pthread_mutex_unlock(&region->lock);
+}
+
+static void sleep_for_tasks(daft_region *region)
+{
+    pthread_mutex_lock(&region->lock);
+    atomic_store(&region->caller_waits, true);
+    while (atomic_load(&region->unfinished)) pthread_cond_wait(&region->done, &region->lock);
+    atomic_store(&region->caller_waits, false);
+    pthread_mutex_unlock(&region->lock);
 }
 
 void daft_region_for(daft_region *region, uint32_t count, daft_task *task, void *context)
 {
-    int spins = 0;
+    waiting wait = {0};
     if (!region || count <= 1) {
         for (uint32_t i = 0; i < count; i++) task(context, i, 0);
         return;
@@ -122,8 +173,11 @@ void daft_region_for(daft_region *region, uint32_t count, daft_task *task, void 
         atomic_store_explicit(&region->ranges[i].left, end << 32 | begin, memory_order_release);
         end = begin;
     }
+    atomic_fetch_add(&region->loops, 1);
+    wake_workers(region);
     take_all(region, 0);
-    while (atomic_load_explicit(&region->unfinished, memory_order_acquire)) wait_a_little(&spins);
+    while (atomic_load_explicit(&region->unfinished, memory_order_acquire))
+        if (!wait_a_little(&wait)) sleep_for_tasks(region);
 }
 
 /* ---- regions ---- */
@@ -132,17 +186,19 @@ int daft_region_workers(const daft_region *region) { return region ? (int)region
 
 static void work(daft_region *region, uint32_t worker)
 {
-    int spins = 0;
+    waiting wait = {0};
     if (worker == 0) {
         region->body(region->body_context, region);
-        atomic_store_explicit(&region->over, true, memory_order_release);
+        atomic_store(&region->over, true);
+        wake_workers(region);
         return;
     }
     while (!atomic_load_explicit(&region->over, memory_order_acquire)) {
-        if (take_all(region, worker))
-            spins = 0;
-        else
-            wait_a_little(&spins);
+        const uint32_t seen = atomic_load_explicit(&region->loops, memory_order_acquire);
+        const bool took = take_all(region, worker);
+        if (!took && wait_a_little(&wait)) continue;
+        if (!took) sleep_for_loop(region, seen);
+        wait.spins = 0;
     }
 }
 
@@ -153,8 +209,16 @@ void daft_parallel_region(int workers, daft_region_body *body, void *context)
         return;
     }
     workers = daft_min_i(workers, DAFT_MAX_WORKERS);
-    daft_region region = {.workers = (uint32_t)workers, .body = body, .body_context = context};
+    daft_region region = {.workers = (uint32_t)workers,
+                          .body = body,
+                          .body_context = context,
+                          .lock = PTHREAD_MUTEX_INITIALIZER,
+                          .begun = PTHREAD_COND_INITIALIZER,
+                          .done = PTHREAD_COND_INITIALIZER};
     run_span((span){work, &region, 0, (uint32_t)workers});
+    pthread_cond_destroy(&region.begun);
+    pthread_cond_destroy(&region.done);
+    pthread_mutex_destroy(&region.lock);
 }
 
 /* ---- one loop ---- */

@@ -49,7 +49,8 @@ void daft_tile_aov(tile_job *j)
     const daft_frame_aov *aov = &j->frame->target->aov;
     const daft_scratch *s = j->s;
     const bool moves = aov->motion && j->snapshot->before;
-    if (!in_band(j)) return;
+    const bool any = aov->depth || aov->normal || aov->instance || aov->triangle || aov->albedo || aov->motion;
+    if (!any || !in_band(j)) return;
     for (uint32_t i = 0; i < s->sky.count; i++) {
         size_t at = tile_pixel(j, s->sky.pixel[i]);
         if (aov->depth) aov->depth[at] = INFINITY;
