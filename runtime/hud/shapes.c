@@ -96,10 +96,15 @@ static void add_edge_to_row(float *row, float width, canvas_point a, canvas_poin
 
 static void fill(const canvas *target, shape *s, canvas_color color)
 {
-    const canvas_box clip = canvas_bounds(target);
+    canvas_box clip = canvas_bounds(target);
+    float top = 1e9f, bottom = -1e9f, left = 1e9f, right = -1e9f;
+    for (size_t i = 0; i < s->count; i++) {
+        top = fminf(top, s->points[i].y), bottom = fmaxf(bottom, s->points[i].y);
+        left = fminf(left, s->points[i].x), right = fmaxf(right, s->points[i].x);
+    }
+    if (left > (float)clip.left) clip.left = left < (float)clip.right ? (int)left : clip.right;
+    if (right < (float)clip.right) clip.right = right > (float)clip.left ? (int)ceilf(right) : clip.left;
     const int width = clip.right - clip.left;
-    float top = 1e9f, bottom = -1e9f;
-    for (size_t i = 0; i < s->count; i++) top = fminf(top, s->points[i].y), bottom = fmaxf(bottom, s->points[i].y);
     float *row = s->good && width > 0 && s->count > 0 ? malloc(((size_t)width + 2) * sizeof *row) : NULL;
     for (size_t i = 0; i < s->count; i++) s->points[i].x -= (float)clip.left;
     const int first = top > (float)clip.top ? (int)top : clip.top;
