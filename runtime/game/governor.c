@@ -14,12 +14,13 @@
 #define OUTLIER     1.6  /* times the median: such a frame is slow for another reason than its picture */
 
 enum {
-    FULL = 9,
+    FULL = 10,
     SOON = 12, /* frames by which a jump of the load is told from a slow frame */
     LEARN = 15 /* frames after which a change is understood */
 };
 
-static const governor_rung RUNGS[GOVERNOR_RUNGS] = {{"half size, plain", 0.5, 0, 1, false},
+static const governor_rung RUNGS[GOVERNOR_RUNGS] = {{"third size, plain", 0.35, 0, 1, false},
+                                                    {"half size, plain", 0.5, 0, 1, false},
                                                     {"half size", 0.5, 4, 2, true},
                                                     {"60 % size", 0.6, 4, 2, true},
                                                     {"70 % size", 0.7, 4, 2, true},
@@ -33,8 +34,8 @@ static const governor_rung RUNGS[GOVERNOR_RUNGS] = {{"half size, plain", 0.5, 0,
 
 /* What frames took on such rungs in this project's own games and scenes, in the mean; and whether they are climbed
  * before they have been surveyed. */
-static const double USUAL[GOVERNOR_RUNGS] = {0.22, 0.32, 0.43, 0.55, 0.69, 0.84, 0.5, 0.8, 0.9, 1, 1.5};
-static const bool CLIMBED[GOVERNOR_RUNGS] = {true, true, true, true, true, true, false, false, false, true, true};
+static const double USUAL[GOVERNOR_RUNGS] = {0.14, 0.22, 0.32, 0.43, 0.55, 0.69, 0.84, 0.5, 0.8, 0.9, 1, 1.5};
+static const bool CLIMBED[GOVERNOR_RUNGS] = {true, true, true, true, true, true, true, false, false, false, true, true};
 
 const governor_rung *governor_rung_at(int rung) { return &RUNGS[rung]; }
 

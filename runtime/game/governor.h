@@ -12,7 +12,7 @@
 
 #include "daft.h"
 
-enum { GOVERNOR_RUNGS = 11, GOVERNOR_FRAMES = 60 };
+enum { GOVERNOR_RUNGS = 12, GOVERNOR_FRAMES = 60 };
 
 /* Knobs of a rung; the rest is the quality's. */
 typedef struct governor_rung {

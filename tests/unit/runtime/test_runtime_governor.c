@@ -229,7 +229,7 @@ static void costs_are_remembered(void **unused)
         if (e->d_name[0] == '.') continue;
         snprintf(path, sizeof path, "%s/%.32s", folder, e->d_name);
         FILE *file = fopen(path, "wb"); /* what is not such a file is not believed */
-        fputs("daft frame costs 2\n0.5 0.1\n-1 0\n", file);
+        fputs("daft frame costs 3\n0.5 0.1\n-1 0\n", file);
         fclose(file);
         assert_false(costs_load(folder, "marble", &known));
         unlink(path);
