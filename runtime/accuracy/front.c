@@ -19,17 +19,46 @@ static double spread_of(const double *sorted, int count)
     return (sorted[count * 3 / 4] - sorted[count / 4]) / 2;
 }
 
-static double median_of(const sweep_measure *m, double *spread)
+static double middle_of(double *values, size_t count)
+{
+    qsort(values, count, sizeof *values, compare_times);
+    return (values[(count - 1) / 2] + values[count / 2]) / 2;
+}
+
+/* How slow the machine was in each round, relative to its median: the median over the settings of their times in the
+ * round, each relative to its own median. In a round all settings take turns, so that what slows all of them alike says
+ * nothing of their order. 1 where fewer than ENOUGH settings tell. */
+static void find_slowness(const sweep_result *s, int moment, double slowness[SWEEP_ROUNDS])
+{
+    enum { ENOUGH = 16 };
+    double *relative = malloc((s->count + 1) * sizeof *relative);
+    for (int round = 0; round < SWEEP_ROUNDS; round++) {
+        size_t count = 0;
+        for (size_t i = 0; relative && i < s->count; i++) {
+            const sweep_measure *m = &s->points[i].at[moment];
+            double times[SWEEP_ROUNDS];
+            if (m->rounds <= round) continue;
+            memcpy(times, m->times, sizeof times);
+            relative[count++] = m->times[round] / middle_of(times, (size_t)m->rounds);
+        }
+        slowness[round] = count >= ENOUGH ? middle_of(relative, count) : 1;
+    }
+    free(relative);
+}
+
+static double median_of(const sweep_measure *m, const double slowness[SWEEP_ROUNDS], double *spread)
 {
     double sorted[SWEEP_ROUNDS];
-    memcpy(sorted, m->times, sizeof sorted);
-    qsort(sorted, (size_t)m->rounds, sizeof *sorted, compare_times);
+    *spread = 0;
+    if (m->rounds == 0) return 0;
+    for (int i = 0; i < m->rounds; i++) sorted[i] = m->times[i] / slowness[i];
+    const double median = middle_of(sorted, (size_t)m->rounds);
     *spread = spread_of(sorted, m->rounds);
-    return (sorted[(m->rounds - 1) / 2] + sorted[m->rounds / 2]) / 2;
+    return median;
 }
 
 /* Means over the moments; of the tiles the worst. */
-static void summarise(sweep_point *p, int moments)
+static void summarise(sweep_point *p, int moments, double slowness[][SWEEP_ROUNDS])
 {
     picture_errors *e = &p->errors;
     double squares = 0;
@@ -38,7 +67,7 @@ static void summarise(sweep_point *p, int moments)
     for (int i = 0; i < moments; i++) {
         const sweep_measure *m = &p->at[i];
         double spread;
-        p->ms += median_of(m, &spread) / moments, p->spread += spread / moments;
+        p->ms += median_of(m, slowness[i], &spread) / moments, p->spread += spread / moments;
         squares += m->errors.rmse * m->errors.rmse / moments;
         e->ssim += m->errors.ssim / moments, e->flip += m->errors.flip / moments;
         e->worst = fmax(e->worst, m->errors.worst);
@@ -79,8 +108,10 @@ static void find_same(sweep_result *s, size_t i)
 
 void sweep_judge(sweep_result *s)
 {
+    double slowness[SWEEP_MOMENTS][SWEEP_ROUNDS];
+    for (int i = 0; i < s->moments; i++) find_slowness(s, i, slowness[i]);
     for (size_t i = 0; i < s->count; i++) {
-        summarise(&s->points[i], s->moments);
+        summarise(&s->points[i], s->moments, slowness);
         s->points[i].same_as = s->points[i].beaten_by = -1;
     }
     for (size_t i = 0; i < s->count; i++) find_same(s, i);

@@ -105,6 +105,32 @@ static void moments_are_averaged(void **unused)
     assert_true(fabs(p.errors.psnr - 20) < 1e-6);
 }
 
+/* A machine that becomes twice as slow and fast again, for all settings alike: each has its own time and a small
+ * spread, and ones that are a tenth apart are told apart. */
+static void what_slows_all_alike_is_taken_out(void **unused)
+{
+    (void)unused;
+    enum { MANY = 40 };
+    static sweep_point p[MANY];
+    sweep_result s = {.points = p, .count = MANY, .moments = 1};
+    uint64_t state = 99;
+    for (int i = 0; i < MANY; i++) {
+        sweep_measure *m = &p[i].at[0];
+        m->rounds = SWEEP_ROUNDS, m->picture = (uint64_t)i;
+        m->errors.flip = m->half_flip[0] = m->half_flip[1] = 1 - 0.01 * i; /* each dearer one is closer */
+        for (int round = 0; round < SWEEP_ROUNDS; round++) {
+            state = state * 6364136223846793005u + 1442695040888963407u;
+            const double noise = 1 + 0.01 * ((double)(state >> 11) * 0x1p-53 - 0.5);
+            m->times[round] = 10 * pow(1.1, i) * (round < 5 || round > 11 ? 1 : 2) * noise;
+        }
+    }
+    sweep_judge(&s);
+    for (int i = 0; i < MANY; i++) {
+        assert_true(p[i].on_front && p[i].spread < 0.01 * p[i].ms);
+        if (i > 0) assert_true(fabs(p[i].ms / p[i - 1].ms - 1.1) < 0.01);
+    }
+}
+
 /* ---- advice ---------------------------------------------------------------------------------------------------- */
 
 static void advice_is_options_of_daft_render(void **unused)
@@ -409,6 +435,7 @@ int main(void)
                                        cmocka_unit_test(every_knob_is_swept),
                                        cmocka_unit_test(wishes_are_joined),
                                        cmocka_unit_test(moments_are_averaged),
+                                       cmocka_unit_test(what_slows_all_alike_is_taken_out),
                                        cmocka_unit_test(a_report_holds_what_is_promised),
                                        cmocka_unit_test(time_decides_how_much_is_measured),
                                        cmocka_unit_test(a_simulation_is_measured),
