@@ -22,7 +22,11 @@ bool generate_town(const char *root);
 bool generate_studio(const char *root);
 bool generate_figure(const char *root);
 bool generate_leaves(const char *root);
+bool generate_gallery(const char *root);
 bool generate_sculptures(const char *root); /* of the hall */
+bool generate_exhibits(const char *root);   /* of the gallery */
+bool generate_statues(const char *root);    /* of the gallery */
+bool generate_paintings(const char *root);  /* of the gallery */
 
 /* Opens root/path for writing in binary; NULL after a message on stderr. */
 FILE *open_output(const char *root, const char *path);

@@ -11,6 +11,7 @@ vec add(vec a, vec b) { return v3(a.x + b.x, a.y + b.y, a.z + b.z); }
 vec sub(vec a, vec b) { return v3(a.x - b.x, a.y - b.y, a.z - b.z); }
 vec times(vec a, double s) { return v3(a.x * s, a.y * s, a.z * s); }
 vec cross(vec a, vec b) { return v3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x); }
+double dot(vec a, vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 double length(vec a) { return sqrt(a.x * a.x + a.y * a.y + a.z * a.z); }
 vec normal_of(vec a)
 {
@@ -218,6 +219,43 @@ void add_box(mesh *m, vec a, vec b, double tile)
     add_panel(m, (const vec[]){v3(b.x, a.y, b.z), v3(b.x, a.y, a.z), v3(b.x, b.y, a.z), v3(b.x, b.y, b.z)}, 0, 0, z, y);
     add_panel(m, (const vec[]){v3(a.x, a.y, a.z), v3(a.x, a.y, b.z), v3(a.x, b.y, b.z), v3(a.x, b.y, a.z)}, 0, 0, z, y);
     add_panel(m, (const vec[]){v3(a.x, b.y, b.z), v3(b.x, b.y, b.z), v3(b.x, b.y, a.z), v3(a.x, b.y, a.z)}, 0, 0, x, z);
+}
+
+void add_facing(mesh *m, const vec p[4], vec eye, double u, double v)
+{
+    vec n = normal_of(cross(sub(p[2], p[0]), sub(p[3], p[1])));
+    const bool away = dot(n, sub(eye, p[0])) < 0;
+    if (away) n = times(n, -1);
+    const corner c[4] = {{p[0], n, 0, 0}, {p[1], n, u, 0}, {p[2], n, u, v}, {p[3], n, 0, v}};
+    const corner turned[4] = {c[0], c[3], c[2], c[1]};
+    add_face(m, away ? turned : c, 4, u > 0);
+}
+
+void add_block(mesh *m, vec low, vec high, double tile)
+{
+    add_box(m, low, high, tile);
+    const vec bottom[4] = {low, v3(high.x, low.y, low.z), v3(high.x, low.y, high.z), v3(low.x, low.y, high.z)};
+    add_panel(m, bottom, 0, 0, (high.x - low.x) / tile, (high.z - low.z) / tile);
+}
+
+void add_surface(mesh *m, surface *at, int across, int up)
+{
+    const double e = 1e-4;
+    for (int i = 0; i < across; i++) {
+        for (int k = 0; k < up; k++) {
+            corner c[4];
+            for (int j = 0; j < 4; j++) {
+                const double u = (double)(i + (j == 1 || j == 2)) / across, v = (double)(k + (j > 1)) / up;
+                const double w = fmin(fmax(v, 2 * e), 1 - 2 * e);
+                c[j] = (corner){
+                    at(u, v), normal_of(cross(sub(at(u + e, w), at(u - e, w)), sub(at(u, w + e), at(u, w - e)))), u, v};
+            }
+            if (length(sub(c[0].at, c[1].at)) < 1e-6) c[1] = c[2], c[2] = c[3];
+            const bool triangle = length(sub(c[2].at, c[3].at)) < 1e-6 ||
+                                  length(sub(c[0].at, at((double)(i + 1) / across, (double)k / up))) < 1e-6;
+            add_face(m, c, triangle ? 3 : 4, false);
+        }
+    }
 }
 
 /* ---- OBJ ---- */

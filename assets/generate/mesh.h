@@ -14,6 +14,7 @@ vec add(vec a, vec b);
 vec sub(vec a, vec b);
 vec times(vec a, double s);
 vec cross(vec a, vec b);
+double dot(vec a, vec b);
 double length(vec a);
 vec normal_of(vec a);
 
@@ -64,6 +65,16 @@ void add_tube(mesh *m, const vec *points, const double *radii, int count, int si
 void add_panel(mesh *m, const vec points[4], double u0, double v0, double u1, double v1);
 /* A box from `low` to `high` without its bottom; the texture repeats every `tile` metres. */
 void add_box(mesh *m, vec low, vec high, double tile);
+
+/* The same with its bottom. */
+void add_block(mesh *m, vec low, vec high, double tile);
+/* A quadrilateral turned to face `eye`; its texture repeats u times from the first point to the second, v times from
+ * there to the third; none where u is 0. */
+void add_facing(mesh *m, const vec points[4], vec eye, double u, double v);
+
+/* A surface over u, v in 0..1, smooth, u to the right and v up seen from outside; closed where opposite edges meet. */
+typedef vec surface(double u, double v);
+void add_surface(mesh *m, surface *at, int across, int up);
 
 /* One mesh of a list, and what fills it. */
 typedef struct mesh_recipe {

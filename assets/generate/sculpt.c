@@ -1,7 +1,7 @@
-/* Sculptures: solids given by a signed distance, turned into quadrilaterals by surface nets (Gibson 1998), and two
- * figures for the hall: a sitting cat and a woman with a lamp. A net has one vertex for each cell that the surface
- * crosses, put where the distance is zero along its gradient; four cells around an edge that crosses it make a face.
- * The OBJ counts its vertices backwards (`f -1 -40 …`), which keeps the file short. */
+/* Sculptures: solids given by a signed distance, turned into quadrilaterals by surface nets (Gibson 1998): a sitting
+ * cat and a woman with a lamp for the hall, a bust and a torso for the gallery. A net has one vertex for each cell that
+ * the surface crosses, put where the distance is zero along its gradient; four cells around an edge that crosses it
+ * make a face. The OBJ counts its vertices backwards (`f -1 -40 …`), which keeps the file short. */
 #include "mesh.h"
 
 #include <math.h>
@@ -196,6 +196,41 @@ static double woman(vec p)
     return join(d, fmax(round, fabs(p.y + 0.05) - 0.05), 0.015);
 }
 
+/* ---- for the gallery: her head on a foot, 0.5 m tall, and a torso, 1.1 m tall; both look along +Z ---- */
+
+static double head_and_foot(vec p)
+{
+    vec at = add(p, v3(0, 1.18, 0)), q = v3(fabs(at.x), at.y, at.z);
+    double d = join(head(at), bust(at, q), 0.02);
+    double cut = length(v3(at.x * 0.8, fmin(at.y - 1.52, 0), at.z * 1.1)) - 0.215; /* its lower edge is round */
+    d = fmax(d, cut);
+    double round = sqrt(p.x * p.x + p.z * p.z);
+    double foot = fmax(round - 0.045 - 0.05 * exp(-pow(p.y / 0.05, 2)), fmax(p.y - 0.16, -p.y));
+    d = join(d, foot, 0.03);
+    return join(d, slab(p, v3(0, 0.015, 0), v3(0.115, 0.025, 0.115), 0.008), 0.01);
+}
+
+/* It rests on its right leg: the hips lean one way, the shoulders the other. */
+static double torso(vec p)
+{
+    double y = p.y, lean = 0.035 * sin(3.4 * y - 0.6), tilt = 0.16 * (0.52 - y);
+    p = v3(p.x - lean, y + tilt * p.x, p.z - 0.018 * sin(5 * y));
+    vec q = v3(fabs(p.x), p.y, p.z);
+    double d = ellipsoid(p, v3(0, 0.79, -0.005), v3(0.180, 0.200, 0.120));
+    d = join(d, ellipsoid(p, v3(0, 0.55, 0.012), v3(0.132, 0.210, 0.100)), 0.08);
+    d = join(d, ellipsoid(p, v3(0, 0.345, -0.012), v3(0.182, 0.140, 0.125)), 0.08);
+    d = join(d, ellipsoid(q, v3(0.088, 0.31, -0.075), v3(0.095, 0.105, 0.085)), 0.04);
+    d = join(d, ellipsoid(q, v3(0.082, 0.795, 0.088), v3(0.072, 0.072, 0.062)), 0.035);
+    d = join(d, limb(q, v3(0.095, 0.32, 0), 0.108, v3(0.088, -0.04, 0.025), 0.078), 0.035);
+    d = join(d, limb(q, v3(0, 0.945, -0.015), 0.065, v3(0.185, 0.925, -0.015), 0.068), 0.06);
+    d = join(d, limb(q, v3(0.205, 0.905, -0.02), 0.064, v3(0.235, 0.745, -0.04), 0.050), 0.04);
+    d = join(d, limb(p, v3(0, 0.95, -0.012), 0.062, v3(0.01, 1.09, 0.012), 0.056), 0.05);
+    d = -join(-d, ellipsoid(p, v3(0, 0.515, 0.118), v3(0.010, 0.014, 0.02)), 0.02); /* navel */
+    d = -join(-d, limb(p, v3(0, 0.74, 0.135), 0.004, v3(0, 0.56, 0.125), 0.004), 0.03);
+    d = -join(-d, limb(p, v3(0, 0.85, -0.135), 0.006, v3(0, 0.42, -0.13), 0.010), 0.05);
+    return fmax(d, fmax(y - 1.06, -y)); /* broken off at the neck and above the knees */
+}
+
 /* ---- surface nets ---- */
 
 typedef double solid(vec p);
@@ -291,6 +326,7 @@ static void net_layer(net *s, int y)
     }
 }
 
+/* `material`: "FILE.mtl\nusemtl NAME", as the OBJ has it. */
 static bool cast(const char *root, const char *path, solid *inside, vec low, vec high, double cell,
                  const char *material)
 {
@@ -304,7 +340,7 @@ static bool cast(const char *root, const char *path, solid *inside, vec low, vec
         for (int z = 0; z <= s.n[2]; z++)
             for (int x = 0; x <= s.n[0]; x++)
                 s.distance[grid_index(&s, x, y, z)] = (float)inside(add(low, times(v3(x, y, z), cell)));
-    if (ok) fprintf(s.file, "# made by daft_generate, CC0\nmtllib hall.mtl\nusemtl %s\n", material);
+    if (ok) fprintf(s.file, "# made by daft_generate, CC0\nmtllib %s\n", material);
     for (int y = 0; ok && y < s.n[1]; y++) net_layer(&s, y);
     if (s.file) ok = close_output(s.file, path) && ok;
     free(s.distance), free(s.vertex);
@@ -314,7 +350,15 @@ static bool cast(const char *root, const char *path, solid *inside, vec low, vec
 bool generate_sculptures(const char *root)
 {
     return cast(root, "assets/meshes/hall/cat.obj", cat, v3(-0.6, -0.15, -0.65), v3(0.6, 1.56, 0.65), 0.0158,
-                "bronze") &&
+                "hall.mtl\nusemtl bronze") &&
            cast(root, "assets/meshes/hall/woman.obj", woman, v3(-0.55, -0.13, -0.55), v3(0.55, 2.2, 0.55), 0.0140,
-                "white_marble");
+                "hall.mtl\nusemtl white_marble");
+}
+
+bool generate_statues(const char *root)
+{
+    return cast(root, "assets/meshes/gallery/bust.obj", head_and_foot, v3(-0.26, -0.03, -0.2), v3(0.26, 0.66, 0.2),
+                0.0100, "gallery.mtl\nusemtl marble") &&
+           cast(root, "assets/meshes/gallery/torso.obj", torso, v3(-0.36, -0.03, -0.25), v3(0.36, 1.12, 0.25), 0.0155,
+                "gallery.mtl\nusemtl marble");
 }
