@@ -2,7 +2,7 @@
  * Promises: a mesh that stands has only finite positions, indices in range and no triangle with two equal corners;
  * triangles that share an edge in the file share its two vertex numbers here, whatever their normals and uvs do.
  *
- * Public headers: mesh.h rig.h. Inner headers: trimesh.h polygon.h outline.h.
+ * Public headers: mesh.h planes.h rig.h. Inner headers: trimesh.h polygon.h outline.h.
  * formats/ reads OBJ and MTL files, foreign/ others; analysis/ computes smooth normals and finds problems; rig/ moves
  * vertices by skeletons. */
 #ifndef DAFT_GEOMETRY_H

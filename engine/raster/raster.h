@@ -69,9 +69,20 @@ typedef struct daft_tile_part {
 } daft_tile_part;
 _Static_assert(DAFT_TILE == 32, "a row of a tile is one word of bits");
 
+/* A plane in view space that the pencil looks through, and before which everything is that it may see: normal · p >
+ * away. A triangle is left out where all of it clearly lies behind that; one of the owner, the instance that holds the
+ * plane, also where it lies in it, by the roundings of its corners. */
+typedef struct daft_clip {
+    bool some; /* false: all is seen */
+    daft_vec3 normal;
+    float away;
+    uint32_t owner; /* among the raster's instances; DAFT_NOTHING: none */
+} daft_clip;
+
 typedef struct daft_raster {
     const daft_allocator *allocator;
     daft_pencil pencil;
+    daft_clip clip; /* none, unless it is set after daft_raster_begin */
     const daft_instance *instances;
     uint32_t instance_count;
     int tiles_x, tiles_y, workers;

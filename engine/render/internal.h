@@ -2,6 +2,7 @@
 #ifndef DAFT_RENDER_INTERNAL_H
 #define DAFT_RENDER_INTERNAL_H
 
+#include "geometry/planes.h"
 #include "render/dice.h"
 #include "render/kernels.h"
 
@@ -56,11 +57,12 @@ typedef struct daft_scratch {
     daft_lanes3 color;              /* of the tile's pixels: row · DAFT_TILE + column */
     uint32_t candidates[DAFT_MAX_OCCLUDERS];
     uint32_t lit[DAFT_SAMPLES_WORDS], under[DAFT_SAMPLES_WORDS];
-    daft_sampled_light *sampled; /* NULL: the frame has none */
-    daft_gloss *gloss;           /* NULL: the frame has none, or does not filter it */
-    daft_batch *third;           /* NULL: no surface sends more than one ray on */
-    daft_lanes3 *passed;         /* of the running light's light; NULL until some shadow lets light through */
-    daft_ray_batch *refracted;   /* waiting, of each depth; NULL until something is seen that light may pass */
+    daft_sampled_light *sampled;      /* NULL: the frame has none */
+    daft_gloss *gloss;                /* NULL: the frame has none, or does not filter it */
+    daft_batch *third;                /* NULL: no surface sends more than one ray on */
+    daft_lanes3 *passed;              /* of the running light's light; NULL until some shadow lets light through */
+    daft_ray_batch *refracted;        /* waiting, of each depth; NULL until something is seen that light may pass */
+    uint8_t seen_by[DAFT_BATCH_ROOM]; /* where there are planar mirrors: see daft_mirrors_follow */
     uint32_t around[2][DAFT_TILE + 2][DAFT_TILE + 2]; /* a tile at the picture's border: its pixels and ids */
     daft_mixed mixed;                                 /* the tile's pixels that their corners change */
     daft_lanes3 sum;             /* of the tile's pixels that get more samples: their linear light, */
@@ -75,14 +77,28 @@ typedef struct daft_scratch {
     uint64_t alpha_rays, alpha_reads; /* rays through surfaces with alpha, and texels that these read */
 } daft_scratch;
 
-/* A plane of some instance that mirrors, and the camera behind it. */
-enum { DAFT_MAX_MIRRORS = 4 };
+/* The planes of a mesh where its materials mirror smoothly. */
+typedef struct daft_mirror_mesh {
+    const daft_trimesh *mesh;
+    uint64_t shape, slots; /* the instance's; a hash of which slots mirror so */
+    uint32_t triangles;    /* of the mesh, which may be gone */
+    uint32_t idle;         /* samples of pictures since it was last asked for */
+    daft_mesh_planes planes;
+} daft_mirror_mesh;
+
+/* A plane of some instance that mirrors, as the camera sees it or another mirror shows it, and the camera mirrored in
+ * all of them. */
+enum { DAFT_MAX_MIRRORS = 16, DAFT_SEEN_BY_CAMERA = 254, DAFT_SEEN_BY_RAYS = 255 };
 typedef struct daft_mirror {
-    uint32_t instance;
-    uint64_t triangles; /* bits of those of its mesh that lie in the plane */
-    daft_vec3 normal;   /* unit, towards the eye */
-    float away;         /* of the eye from the plane */
-    daft_vec3 eye;      /* the mirrored one */
+    uint8_t parent; /* the mirror that shows it, or DAFT_SEEN_BY_CAMERA */
+    int depth;      /* 1: the camera sees it */
+    uint32_t instance, plane;
+    const uint8_t *planes; /* of the mesh's triangles */
+    daft_dvec3 normal;     /* unit, towards the parent's eye */
+    double offset;         /* normal · p + offset: how far before the plane p lies */
+    double away;           /* of the parent's eye from the plane, and of its own eye behind it */
+    daft_dvec3 eye;        /* the parent's, mirrored, in frame space */
+    int x0, x1, y0, y1;    /* pixels that the plane's bounds may cover, inclusive */
     daft_pencil pencil;
     daft_raster raster;
     daft_instance *instances; /* those that reach before the plane, with the mirrored eye as origin */
@@ -120,6 +136,10 @@ struct daft_renderer {
     daft_ray_batch *refracted; /* the workers' */
     size_t refracted_capacity;
     daft_mirror mirrors[DAFT_MAX_MIRRORS];
+    daft_mirror_mesh *mirror_meshes; /* those asked for of late */
+    size_t mirror_mesh_count, mirror_mesh_capacity;
+    bool *mirror_slots; /* of the mesh that is looked at: which mirror smoothly */
+    size_t mirror_slot_capacity;
     daft_tile *mirrored; /* the workers', for each mirror */
     size_t mirrored_capacity;
     float *sum; /* linear light of all samples so far: 3·width·height; NULL until more than one is asked for */
@@ -147,7 +167,7 @@ typedef struct daft_frame {
     daft_pencil pencil;
     const daft_tlas *tlas; /* NULL: nothing asks for rays */
     int sample;
-    int mirror_count;                /* planar ones, whose rays form pencils */
+    int mirror_count;                /* planar ones, whose rays form pencils: those of a parent follow it */
     uint32_t first_tile, tile_count; /* of the running pass */
     uint32_t band_tile;              /* the first one that is wanted */
     uint32_t tiles_in_all;           /* of all passes */
@@ -179,16 +199,20 @@ daft_plan daft_plan_make(const daft_snapshot *snapshot);
 /* Whether what the pencil may see (the instances in its bins) mirrors; and whether it transmits, or shows in a mirror
  * what may. */
 void daft_plan_narrow(daft_plan *plan, const daft_snapshot *snapshot, const daft_raster *raster);
-/* mirror.c. Finds the planar mirrors that are worth a pass of their own, and puts what they may show into tiles. */
+/* mirror.c. Finds the planar mirrors that are worth a pass of their own, also those seen in others, and puts what they
+ * may show into tiles. */
 bool daft_mirrors_prepare(daft_frame *frame, daft_error *error);
 void daft_mirrors_free(daft_renderer *renderer);
 size_t daft_mirrors_bytes(const daft_renderer *renderer);
-/* Draws the views of those mirrors that enough of the tile's mirrored rays leave; returns these mirrors as bits. */
-uint32_t daft_mirrors_tile(const daft_frame *frame, uint32_t number, uint32_t worker, const daft_tile *tile,
+/* `by`: by which mirror each of the tile's pixels sees the points, DAFT_SEEN_BY_CAMERA or DAFT_SEEN_BY_RAYS; becomes
+ * the same of what the points mirror. */
+void daft_mirrors_follow(const daft_frame *frame, const daft_batch *points, uint8_t *by);
+/* Draws the views of those mirrors by which enough of the tile's rays see; returns these mirrors as bits. */
+uint32_t daft_mirrors_tile(const daft_frame *frame, uint32_t number, uint32_t worker, const uint8_t *by,
                            const daft_ray_batch *rays);
 /* The hit of a ray from a mirror's view, as `closest` would give it, without the normal. False: the view does not
  * decide it, and the ray must be cast. */
-bool daft_mirrors_hit(const daft_frame *frame, uint32_t shown, uint32_t worker, const daft_tile *tile,
+bool daft_mirrors_hit(const daft_frame *frame, uint32_t shown, uint32_t worker, const uint8_t *by,
                       const daft_ray_batch *rays, uint32_t ray, daft_hit *hit);
 /* A row of the picture, or of the apron. */
 static inline uint8_t *daft_frame_row(const daft_frame *frame, int y)

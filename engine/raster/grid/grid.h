@@ -43,6 +43,8 @@ typedef struct daft_tile_job {
     float last_x, last_y; /* its last column and row in the picture */
     float max_dx, max_dy; /* of any ray in the tile */
     bool exact;
+    bool clips;    /* the raster has a plane: */
+    float clip[4]; /* its normal, and how far along it what is seen of the running instance begins */
     _Alignas(64) float dx[DAFT_TILE / DAFT_WINDOW_W][DAFT_VL]; /* of the rays of windows, by column */
     /* Every pixel's w in the cell is at least this; stale, by rows of cells: some pixel has come nearer since it was
      * found. */
@@ -136,6 +138,15 @@ void DAFT_KERNEL(daft_hits_draw)(daft_tile_job *job, daft_small *from, daft_hits
 void DAFT_KERNEL(daft_batch_draw)(daft_tile_job *job, const daft_pencil_batch *batch);
 /* The pixels x0..x1, y0..y1 of the tile against a sphere. */
 void DAFT_KERNEL(daft_sphere_draw)(daft_tile_job *job, const daft_view_instance *view, int x0, int x1, int y0, int y1);
+
+/* The lanes that the plane leaves out; a NaN stays in. */
+DAFT_INLINE vbits clipped(const float clip[4], const vf3 corner[3])
+{
+    const vf x = vf_set(clip[0]), y = vf_set(clip[1]), z = vf_set(clip[2]), end = vf_set(clip[3]);
+    vm out = vf_le(x * corner[0].x + y * corner[0].y + z * corner[0].z, end);
+    for (int k = 1; k < 3; k++) out = vm_and(out, vf_le(x * corner[k].x + y * corner[k].y + z * corner[k].z, end));
+    return vbits_from_mask(out);
+}
 
 /* Blocks by number; nothing is computed from what is not there. */
 DAFT_INLINE void blocks_at(const daft_view_instance *view, const uint32_t *blocks, uint32_t count,

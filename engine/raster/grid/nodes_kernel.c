@@ -51,6 +51,7 @@ typedef struct walk {
     daft_queue *queue;
     const daft_view_instance *view;
     node_map map;
+    node_map clip; /* to distances along the clipping plane's normal, as x; only where the job clips */
     uint32_t leaf_count, leaves[DAFT_LEAVES_ROOM + 16]; /* that wait, in groups: their codes */
     uint32_t block_count, blocks[DAFT_LEAVES_ROOM * DAFT_MAX_LEAF_BLOCKS + DAFT_VL];
 } walk;
@@ -131,6 +132,22 @@ DAFT_INLINE vi child_load(const node_pair *n)
                               (const float *)(const void *)n->second->child, n->part);
 }
 
+/* pad: the error of a moved vertex, by axes. Where the instance begins to be seen lies as far from the plane. */
+static void clip_begin(walk *w, const float pad[3])
+{
+    const daft_affine *map = &w->view->to_view;
+    const daft_clip *c = &w->job->raster->clip;
+    const float n[3] = {c->normal.x, c->normal.y, c->normal.z};
+    float m[9] = {0}, t[3] = {0}, error[3] = {0};
+    for (int k = 0; k < 3; k++) {
+        for (int i = 0; i < 3; i++) m[i] += n[k] * map->m[3 * k + i];
+        t[0] += n[k] * map->t[k], error[0] += fabsf(n[k]) * pad[k];
+        w->job->clip[k] = n[k];
+    }
+    w->job->clip[3] = c->away + (w->view->index == c->owner ? 2 * error[0] : -error[0]);
+    node_map_make(&w->clip, m, t, error);
+}
+
 static void walk_begin(walk *w, daft_tile_job *job, const daft_view_instance *view, daft_queue *queue)
 {
     const daft_affine *map = &view->to_view;
@@ -143,6 +160,7 @@ static void walk_begin(walk *w, daft_tile_job *job, const daft_view_instance *vi
         for (int i = 0; i < 3; i++) size += fabsf(map->m[3 * k + i]) * fmaxf(fabsf(low[i]), fabsf(high[i]));
         pad[k] = size * 0x1p-20f;
     }
+    if (job->clips) clip_begin(w, pad);
     pad[0] = pad[0] * focal + pad[2] * fabsf(job->left);
     pad[1] = pad[1] * focal + pad[2] * fabsf(job->top);
     /* column = focal·x/z - left and row = top - focal·y/z, so their multiples by z are linear in the point. */
@@ -173,6 +191,7 @@ DAFT_INLINE boxes children(const walk *w, const node_pair *n)
     vbits y = box_span(node_axis(&w->map, 1, n), &z, w->job->last_y, &y0, &y1);
     vbits out =
         vbits_from_mask(vf_le(z.far, vf_set(0))) | vbits_from_mask(vi_eq(child, vi_set((int32_t)DAFT_CHILD_NONE)));
+    if (w->job->clips) out |= vbits_from_mask(vf_le(node_axis(&w->clip, 0, n).high, vf_set(w->job->clip[3])));
     return (boxes){child, x0 | x1 << 8 | y0 << 16 | y1 << 24,
                    vf_if_then_else(z.front, z.inverse_near * vf_set(1 + 0x1p-20f), vf_set(INFINITY)), x & y & ~out};
 }

@@ -55,6 +55,7 @@ DAFT_INLINE void project(const daft_tile_job *job, const daft_view_instance *vie
     some = vm_and(some, pixel_span(y0, y1, job->last_y, &l->y0, &l->y1));
     l->nearest = vf_if_then_else(front, vf_set(1 + 4 * UNIT) / near, vf_set(INFINITY));
     l->some = vbits_from_mask(some);
+    if (job->clips) l->some &= ~clipped(job->clip, l->corners.p);
 }
 
 void DAFT_KERNEL(daft_block_boxes)(const daft_tile_job *job, const daft_view_instance *view, const daft_block *block,

@@ -39,13 +39,17 @@ typedef struct lens {
     daft_affine map;
     float focal, left, top, last_x, last_y, reach;
     bool closely; /* no triangle counts as small */
+    bool clips;
+    float clip[4];
 } lens;
 
 DAFT_INLINE lens lens_of(const daft_tile_job *job, const daft_view_instance *view)
 {
     bool closely = job->pencil.intersection == DAFT_INTERSECT_WATERTIGHT;
-    return (lens){view->to_view, job->pencil.focal,    job->left, job->top, job->last_x,
-                  job->last_y,   daft_tile_reach(job), closely};
+    lens v = {view->to_view, job->pencil.focal,    job->left, job->top,   job->last_x,
+              job->last_y,   daft_tile_reach(job), closely,   job->clips, {0}};
+    if (v.clips) memcpy(v.clip, job->clip, sizeof v.clip);
+    return v;
 }
 
 /* D of the above, times a power of two; reach: a lens's. */
@@ -135,6 +139,7 @@ void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_view_
                       vbits_first_n((int)(some * DAFT_BLOCK)),
               little;
         vbits lanes = there & may_be_seen(&v, at, corner, &pixels, &little);
+        if (v.clips) lanes &= ~clipped(v.clip, corner);
         n = add_small(&out->small, n, at, triangle, lanes & little);
         if (lanes & ~little) add_large(out, corner, box_bytes(&pixels), view->index, triangle, lanes & ~little);
         tested += (uint32_t)__builtin_popcount(there);

@@ -108,6 +108,7 @@ static void job_begin(daft_tile_job *j, const daft_raster *raster, const daft_ti
     j->max_dx = fmaxf(fabsf(first.x), fabsf(first.x + j->last_x + 3));
     j->max_dy = fmaxf(fabsf(first.y), fabsf(first.y - j->last_y - 3));
     j->exact = raster->pencil.intersection == DAFT_INTERSECT_EXACT;
+    j->clips = raster->clip.some;
     for (int x = 0; x < DAFT_TILE; x += DAFT_WINDOW_W)
         vf_store(j->dx[x / DAFT_WINDOW_W], vf_set(j->left + (float)x) + vf_column());
 }

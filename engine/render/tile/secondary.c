@@ -22,7 +22,7 @@ static uint32_t trace_some(const tile_job *j, const daft_ray_batch *rays, uint32
     daft_hit found[STREAM];
     uint32_t place[STREAM], count = daft_min_u(STREAM, rays->count - first), asked = 0;
     for (uint32_t i = 0; i < count; i++) {
-        if (shown && daft_mirrors_hit(j->frame, shown, j->worker, &j->s->tile, rays, first + i, &hits[i])) continue;
+        if (shown && daft_mirrors_hit(j->frame, shown, j->worker, j->s->seen_by, rays, first + i, &hits[i])) continue;
         place[asked] = i;
         put_ray(&stream[asked++], rays, first + i);
     }
@@ -60,18 +60,25 @@ void daft_tile_trace(tile_job *j, daft_ray_batch *rays, daft_effect_kind effect,
     book(j, effect);
 }
 
-/* Where mirrors are not followed any more they show the sky's mean colour. */
+/* What mirrors show where they are not followed any more: the sky's mean colour. In rooms under a black sky it is the
+ * ambient light, which stands for all that is around. */
+static daft_vec3 end_color(const daft_snapshot *s)
+{
+    const daft_vec3 mean = s->sky.mean;
+    return mean.x > 0 || mean.y > 0 || mean.z > 0 ? mean : s->ambient.color;
+}
+
 static void end_mirrors(tile_job *j, const daft_batch *points, const daft_spawning *last)
 {
     daft_spawning all = *last;
     daft_scratch *s = j->s;
+    const daft_vec3 end = end_color(j->snapshot);
     all.mirrors = true, all.rough = false;
     j->r->kernels->spawn(j->snapshot, points, &all, &s->rays, NULL);
     for (uint32_t i = 0; i < s->rays.count; i++) {
         const uint32_t pixel = s->rays.pixel[i];
-        const daft_vec3 mean = j->snapshot->sky.mean;
-        s->color.x[pixel] += s->rays.weight.x[i] * mean.x, s->color.y[pixel] += s->rays.weight.y[i] * mean.y;
-        s->color.z[pixel] += s->rays.weight.z[i] * mean.z;
+        s->color.x[pixel] += s->rays.weight.x[i] * end.x, s->color.y[pixel] += s->rays.weight.y[i] * end.y;
+        s->color.z[pixel] += s->rays.weight.z[i] * end.z;
     }
     s->rays.count = 0;
 }
@@ -95,7 +102,7 @@ void daft_tile_spawn(tile_job *j, const daft_batch *points, int depth, uint32_t 
     bool refracts = j->frame->plan.refracts && depth < plan->through_depth;
     j->s->rays.count = 0;
     if (!(points->traits & DAFT_TRAIT_SENDS)) return;
-    if (plan->reflects && !allowed.mirrors) end_mirrors(j, points, &allowed);
+    if (!allowed.mirrors && (plan->reflects || plan->quality->mirror_depth == 0)) end_mirrors(j, points, &allowed);
     if (allowed.mirrors || refracts)
         j->r->kernels->spawn(j->snapshot, points, &allowed, &j->s->rays, refracts ? &j->s->refracted[depth] : NULL);
 }

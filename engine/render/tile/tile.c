@@ -4,6 +4,7 @@
 #include "render/tile/tile.h"
 
 #include <math.h>
+#include <string.h>
 
 void daft_tile_see(tile_job *j)
 {
@@ -167,12 +168,26 @@ static void shade_visible(tile_job *j)
     book(j, DAFT_EFFECT_SKY);
 }
 
+/* By which mirrors pixels see what their points send on; gives those whose views are drawn, as bits. */
+static uint32_t look_through(const tile_job *j, const daft_batch *points, const daft_ray_batch *sent)
+{
+    daft_scratch *s = j->s;
+    if (!j->frame->mirror_count || j->refines) return 0;
+    if (sent == &s->rays) {
+        daft_mirrors_follow(j->frame, points, s->seen_by);
+        return daft_mirrors_tile(j->frame, j->number, j->worker, s->seen_by, sent);
+    }
+    for (uint32_t i = 0; i < sent->count; i++) s->seen_by[sent->pixel[i]] = DAFT_SEEN_BY_RAYS;
+    return 0;
+}
+
 /* What the pixels' points send on, to its end; of rough ones ray number `ray` of `rays`. */
 static void follow(tile_job *j, uint32_t ray, uint32_t rays)
 {
     daft_scratch *s = j->s;
     daft_batch *points = &s->points, *next = &s->next, *other = rays > 1 ? s->third : &s->points;
     daft_gloss *gloss = j->refines ? NULL : s->gloss;
+    if (j->frame->mirror_count) memset(s->seen_by, DAFT_SEEN_BY_CAMERA, sizeof s->seen_by);
     for (int depth = 0;; depth++) {
         if (depth && points->count) {
             light_points(j, points, depth);
@@ -184,14 +199,12 @@ static void follow(tile_job *j, uint32_t ray, uint32_t rays)
             if (j->frame->plan.refracts) daft_gloss_send(j, &s->refracted[0]);
         }
         daft_ray_batch *sent = &s->rays;
-        uint32_t shown = 0;
         if (!sent->count) {
             depth = daft_tile_deepest_waiting(j, depth);
             if (depth < 0) return;
             sent = &s->refracted[depth];
-        } else if (depth == 0 && !j->refines) {
-            shown = daft_mirrors_tile(j->frame, j->number, j->worker, &s->tile, sent);
         }
+        const uint32_t shown = look_through(j, points, sent);
         if (gloss) gloss->asks = gloss->some && depth == 0;
         daft_redraw_rays(j, sent, depth);
         daft_tile_trace(j, sent, sent == &s->rays ? DAFT_EFFECT_REFLECTION : DAFT_EFFECT_REFRACTION, shown, next);
