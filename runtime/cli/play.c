@@ -277,16 +277,9 @@ static bool read_speed(const char *text, double *out)
     return isinf(*out) ? strcmp(text, "max") == 0 : end != text && !*end && *out >= 0.01 && *out <= 1000;
 }
 
-int command_play(int argc, char **argv)
+/* CLI_READY: they are read. */
+static cli_outcome read_options(play_options *o, int argc, char **argv)
 {
-    player p = {.options = {.sandbox = "auto",
-                            .scale = 1,
-                            .memory = HOST_MEMORY,
-                            .seconds = WATCHDOG_SECONDS,
-                            .quality.preset = QUALITY_OF_SCENE,
-                            .target_ms = -1,
-                            .seed = 1}};
-    play_options *o = &p.options;
     const cli_option options[] = {
         {"headless", 0, CLI_FLAG, NULL, &o->headless, 0, 0,
          "run without a window, as fast as possible, for tests and servers"},
@@ -336,18 +329,19 @@ int command_play(int argc, char **argv)
         {"every-frame", 0, CLI_FLAG, NULL, &o->every_frame, 0, 0, "draw every frame when headless too, for --stats"}};
     const char *operands[CLI_OPERANDS];
     size_t count;
-    cli_outcome outcome = cli_parse(&COMMAND, options, COUNT_OF(options), argc, argv, operands, &count);
-    if (outcome != CLI_READY) return outcome == CLI_HELPED ? STATUS_DONE : STATUS_BAD_USAGE;
-    if (o->shot_tick && !o->shot) return cli_refuse("play", "--shot-tick: --shot FILE is missing");
-    const char *const sandboxes[] = {"auto", "on", "off", "status"};
+    const cli_outcome outcome = cli_parse(&COMMAND, options, COUNT_OF(options), argc, argv, operands, &count);
+    if (outcome == CLI_READY && count > 0) o->game = operands[0];
+    return outcome;
+}
+
+/* STATUS_DONE: they go together. */
+static int check_options(play_options *o)
+{
+    static const char *const SANDBOXES[] = {"auto", "on", "off", "status"};
     bool known = false;
-    for (size_t i = 0; i < COUNT_OF(sandboxes); i++) known |= strcmp(o->sandbox, sandboxes[i]) == 0;
+    for (size_t i = 0; i < COUNT_OF(SANDBOXES); i++) known |= strcmp(o->sandbox, SANDBOXES[i]) == 0;
     if (!known) return cli_refuse("play", "--sandbox: auto, on, off or status expected");
-    if (strcmp(o->sandbox, "status") == 0) {
-        seal_print_status();
-        return STATUS_DONE;
-    }
-    if (!can_seal(o)) return STATUS_BAD_INPUT;
+    if (o->shot_tick && !o->shot) return cli_refuse("play", "--shot-tick: --shot FILE is missing");
     if (o->saves && !path_is_folder(o->saves)) return cli_refuse("play", "--saves: an existing folder expected");
     if (o->saves && (size_t)snprintf(o->kept, sizeof o->kept, "%s", o->saves) >= sizeof o->kept)
         return cli_refuse("play", "--saves: the path is too long");
@@ -357,13 +351,38 @@ int command_play(int argc, char **argv)
     if (o->speed_text && !o->replay) return cli_refuse("play", "--speed: --replay FILE is missing");
     if (o->speed_text && !read_speed(o->speed_text, &o->speed))
         return cli_refuse("play", "--speed: a number from 0.01 to 1000, or max, expected");
-    if (count > 0) o->game = operands[0];
-    int status = play(&p);
+    return STATUS_DONE;
+}
+
+static void close_player(player *p)
+{
     audio_close();
-    if (p.screen) p.screen->close(p.screen);
-    font_close(p.face);
-    daft_engine_destroy(p.engine);
-    source_close(&p.source);
-    editor_close(p.editor);
+    if (p->screen) p->screen->close(p->screen);
+    font_close(p->face);
+    daft_engine_destroy(p->engine);
+    source_close(&p->source);
+    editor_close(p->editor);
+}
+
+int command_play(int argc, char **argv)
+{
+    player p = {.options = {.sandbox = "auto",
+                            .scale = 1,
+                            .memory = HOST_MEMORY,
+                            .seconds = WATCHDOG_SECONDS,
+                            .quality.preset = QUALITY_OF_SCENE,
+                            .target_ms = -1,
+                            .seed = 1}};
+    const cli_outcome outcome = read_options(&p.options, argc, argv);
+    if (outcome != CLI_READY) return outcome == CLI_HELPED ? STATUS_DONE : STATUS_BAD_USAGE;
+    int status = check_options(&p.options);
+    if (status != STATUS_DONE) return status;
+    if (strcmp(p.options.sandbox, "status") == 0) {
+        seal_print_status();
+        return STATUS_DONE;
+    }
+    if (!can_seal(&p.options)) return STATUS_BAD_INPUT;
+    status = play(&p);
+    close_player(&p);
     return status;
 }

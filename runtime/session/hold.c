@@ -4,7 +4,6 @@
 
 #include "common/util.h"
 #include "hud/screens.h"
-#include "session/tools.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -246,7 +245,7 @@ bool session_turn_held(session *s, daft_error *error)
     if (s->notice[0] && s->notice_ns && s->last_ns > s->notice_ns) {
         s->notice[0] = 0, s->notice_ns = 0, s->redraws = true;
     }
-    s->redraws |= tools_want_mouse(s); /* the console and the inspector change by themselves */
+    s->redraws |= tools_want_mouse(&s->tools); /* the console and the inspector change by themselves */
     if (s->wants_reload) {
         session_release_time(s);
         return true; /* the next turn does it */

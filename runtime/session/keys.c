@@ -3,7 +3,6 @@
 
 #include "common/util.h"
 #include "session/hot.h"
-#include "session/tools.h"
 #include "platform/audio.h"
 
 #include <inttypes.h>
@@ -146,6 +145,21 @@ static void handle_failure_key(session *s, const char *name)
     if (strcmp(name, "e") == 0) edit_failure(s);
 }
 
+tools_scene session_tools_scene(session *s, float alpha)
+{
+    return (tools_scene){.screen = s->def->screen,
+                         .play = s->play,
+                         .alpha = alpha,
+                         .paused = s->pause.open,
+                         .time_held = session_holds_time(s)};
+}
+
+static void toggle_inspector(session *s)
+{
+    const tools_scene now = session_tools_scene(s, 0);
+    tools_toggle_inspector(&s->tools, &now);
+}
+
 static void handle_session_key(session *s, const input_event *event)
 {
     const char *name = input_key_name(event->key);
@@ -153,7 +167,7 @@ static void handle_session_key(session *s, const input_event *event)
     if (strcmp(name, "f1") == 0) s->overlay = !s->overlay, hot_switch(s);
     if (strcmp(name, "f2") == 0) session_toggle_prices(s);
     if (strcmp(name, "f3") == 0) s->xray = !s->xray;
-    if (strcmp(name, "f4") == 0) tools_toggle_inspector(s);
+    if (strcmp(name, "f4") == 0) toggle_inspector(s);
     if (strcmp(name, "f12") == 0) s->wants_shot = true;
     if (s->play->failed) handle_failure_key(s, input_key_name(input_letter(event)));
     s->redraws = true;
@@ -189,7 +203,8 @@ void session_take_events(session *s)
     platform *screen = s->def->screen;
     for (platform_event event; screen->poll(screen, &event);) {
         if (event.kind == PLATFORM_INPUT) session_scale_mouse(screen, &event.input);
-        if (tools_take(s, &event)) continue;
+        const tools_scene now = session_tools_scene(s, loop_alpha(&s->clock));
+        if (tools_take(&s->tools, &now, &event)) continue;
         switch (event.kind) {
         case PLATFORM_CLOSE: s->closed = true; break;
         case PLATFORM_FOCUS_LOST: let_go(s); break;
@@ -198,6 +213,7 @@ void session_take_events(session *s)
         case PLATFORM_INPUT: take_input(s, &event.input); break;
         }
     }
-    tools_turn(s);
+    const tools_scene now = session_tools_scene(s, loop_alpha(&s->clock));
+    tools_turn(&s->tools, &now);
     atomic_store(&s->polled_ns, clock_now_ns());
 }

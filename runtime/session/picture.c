@@ -5,8 +5,6 @@
 #include "game/xray.h"
 #include "hud/screens.h"
 #include "session/hot.h"
-#include "session/panels.h"
-#include "session/tools.h"
 
 #include <stdio.h>
 
@@ -114,7 +112,8 @@ bool session_draw(session *s, float alpha, daft_error *error)
     } else {
         draw_failure(s);
     }
-    tools_draw(s, alpha);
+    const tools_scene now = session_tools_scene(s, alpha);
+    tools_draw(&s->tools, &now, s->picture, s->def->face, &s->placed);
     if (s->notice[0] && !(s->play->failed && s->notice_ns)) {
         canvas over = canvas_over(s->picture);
         screen_notice(&over, s->def->face, s->notice, s->notice_ns == 0);

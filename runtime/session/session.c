@@ -5,7 +5,6 @@
 #include "common/util.h"
 #include "session/costs.h"
 #include "session/hot.h"
-#include "session/tools.h"
 #include "platform/audio.h"
 
 #include <math.h>
@@ -167,7 +166,7 @@ static bool turn(session *s, daft_error *error)
         if (!game_reload(s->play, error)) return false;
     }
     if (!session_take_changes(s, error)) return false;
-    grab_mouse(s, s->play->scripts.grab && !s->play->failed && !tools_want_mouse(s));
+    grab_mouse(s, s->play->scripts.grab && !s->play->failed && !tools_want_mouse(&s->tools));
     uint64_t now = screen->now_ns(screen);
     uint64_t elapsed = now - s->last_ns;
     s->last_ns = now;
@@ -231,6 +230,14 @@ static void heard(void *user, const int16_t *frames)
     if (s->def->speaks && session_speed(s) == 1) audio_play(frames, SOUND_TICK);
 }
 
+static void printed(void *user, const char *text, size_t size) { tools_printed(&((session *)user)->tools, text, size); }
+
+static void answered(void *user, const char *line, const char *answer, bool good)
+{
+    session *s = user;
+    tools_answered(&s->tools, line, answer, good, game_is_replaying(s->play));
+}
+
 static bool run(session *s, daft_error *error)
 {
     if (!session_open_replay(s, error) || !open_saves(s, error)) return false;
@@ -259,8 +266,8 @@ static bool run(session *s, daft_error *error)
                      .seconds = def->seconds,
                      .required = def->record || s->replay.script_count ? session_required : NULL,
                      .asked = asked,
-                     .printed = def->screen->headless ? NULL : tools_printed,
-                     .answered = def->screen->headless ? NULL : tools_answered,
+                     .printed = def->screen->headless ? NULL : printed,
+                     .answered = def->screen->headless ? NULL : answered,
                      .heard = s->sounds.writer || s->def->speaks ? heard : NULL,
                      .user = s};
     hot_switch(s);
@@ -327,7 +334,7 @@ session_end session_play(const session_def *def, const game_info *info, daft_err
     trail_free(&s.past);
     trace_free(s.spans);
     profile_free(&s.profile);
-    console_free(&s.console);
+    tools_free(&s.tools);
     if (!good || failed) return SESSION_FAILED;
     return s.closed ? SESSION_CLOSED : s.left ? SESSION_LEFT : SESSION_DONE;
 }

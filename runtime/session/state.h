@@ -4,8 +4,7 @@
 #define RUNTIME_SESSION_STATE_H
 
 #include "session/session.h"
-#include "session/console.h"
-#include "session/inspector.h"
+#include "tools/tools.h"
 
 #include "accuracy/probe.h"
 #include "files/saves.h"
@@ -60,8 +59,7 @@ typedef struct session {
     recording_script scripts[RECORDING_SCRIPTS]; /* of scripts/ that the game has required */
     size_t script_count, script_told;            /* script_told: of these, how many the replay was compared with */
     recorder *record;
-    console console; /* tools.c */
-    inspector inspector;
+    tools tools;
     panels placed; /* of the picture at work */
     tape sounds;
     tracer *spans;
@@ -118,6 +116,8 @@ void session_survey(session *s, float alpha);
 /* ---- keys.c ---- */
 
 void session_take_events(session *s);
+/* What the console and the inspector work on. */
+tools_scene session_tools_scene(session *s, float alpha);
 /* A message over the picture, for two seconds. */
 void session_tell(session *s, const char *text);
 /* As if the game's key for a new start were pressed. */

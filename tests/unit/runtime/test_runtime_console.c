@@ -1,188 +1,67 @@
 /* runtime: the console and the inspector: lines of Lua as a part of a game and of its recordings, typed at a platform
  * made for tests. */
-#include "cli/commands.h"
-#include "cli/cli.h"
-#include "common/util.h"
 #include "game/game.h"
-#include "game/loop.h"
 #include "lua/statement.h"
 #include "runtime_program.h"
-#include "session/console.h"
-#include "session/inspector.h"
-#include "session/session.h"
+#include "tools/console.h"
+#include "tools/inspector.h"
+#include "scripted_session.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+static game_info info;
 
-#include <cmocka.h>
-
-#include <unistd.h>
-
-/* ---- a platform: what happens in which frame ---- */
-
-typedef struct happening {
-    uint64_t frame;
-    const char *what; /* "+key", "-key", "console", "close", "@x y" in hundredths of the window, or letters that
-                         are typed after a blank */
-} happening;
-
-typedef struct script_platform {
-    platform face;
-    const happening *next, *end;
-    const char *letters; /* still to be typed */
-    uint64_t frame, hash;
-} script_platform;
-
-static bool poll_script(platform *self, platform_event *out)
-{
-    script_platform *p = (script_platform *)self;
-    *out = (platform_event){.kind = PLATFORM_INPUT};
-    if (p->letters && *p->letters) {
-        out->input = (input_event){.kind = INPUT_TEXT, .key = (int)utf8_next(&p->letters)};
-        return true;
-    }
-    if (p->next == p->end || p->next->frame > p->frame) return false;
-    const char *what = p->next++->what;
-    if (what[0] == ' ') {
-        p->letters = what + 1;
-        return poll_script(self, out);
-    }
-    if (strcmp(what, "close") == 0)
-        out->kind = PLATFORM_CLOSE;
-    else if (what[0] == '@')
-        out->input = (input_event){
-            .kind = INPUT_MOVE, .x = (float)atoi(what + 1) / 100, .y = (float)atoi(strchr(what, ' ')) / 100};
-    else if (strcmp(what, "console") == 0)
-        out->kind = PLATFORM_CONSOLE;
-    else
-        out->input = (input_event){.kind = INPUT_KEY, .key = input_key_find(what + 1), .down = what[0] == '+'};
-    return true;
-}
-
-static void size_script(platform *self, int *width, int *height) { (void)self, *width = 160, *height = 90; }
-static bool wants_frame_script(platform *self) { return ((script_platform *)self)->frame < 2000; }
-static void nothing(platform *self) { (void)self; }
-static void title_script(platform *self, const char *title) { (void)self, (void)title; }
-static void grab_script(platform *self, bool grab) { (void)self, (void)grab; }
-
-static bool present_script(platform *self, const daft_image *picture, daft_error *error)
-{
-    (void)error;
-    const size_t bytes = 4 * (size_t)daft_image_width(picture) * (size_t)daft_image_height(picture);
-    ((script_platform *)self)->hash = daft_hash(daft_image_pixels((daft_image *)(uintptr_t)picture), bytes, 0);
-    return true;
-}
-
-static void end_frame_script(platform *self) { assert_true(((script_platform *)self)->frame++ < 2000); }
-
-static uint64_t now_script(platform *self)
-{
-    return (((script_platform *)self)->frame * 1000000000u + LOOP_RATE - 1) / LOOP_RATE;
-}
-
-static struct stage {
-    home where;
-    daft_engine *engine;
-    font *face;
-    game_info info;
-    script_platform screen;
-} s;
-
-static char folder[64], recorded[96];
-
-static int set_up(void **unused)
+static int open_all(void **unused)
 {
     (void)unused;
     daft_error error;
-    daft_engine_def engine = daft_default_engine_def();
-    snprintf(folder, sizeof folder, "/tmp/daft-console-XXXXXX");
-    assert_non_null(mkdtemp(folder));
-    snprintf(recorded, sizeof recorded, "%s/a.rec", folder);
-    assert_true(home_find(&s.where, &error));
-    assert_non_null(s.face = open_font(&s.where, &error));
-    assert_non_null(s.engine = daft_engine_create(&engine, &error));
-    assert_true(home_find_game(&s.where, DAFT_ROOT "/tests/games/sample", &s.info, &error));
+    make_folder();
+    set_up(NULL, 0);
+    assert_true(home_find_game(&s.where, DAFT_ROOT "/tests/games/sample", &info, &error));
     return 0;
 }
 
-static int tear_down(void **unused)
+static int close_all(void **unused)
 {
     (void)unused;
-    char command[96];
-    font_close(s.face);
-    daft_engine_destroy(s.engine);
-    snprintf(command, sizeof command, "rm -r %s", folder);
-    return system(command);
+    tear_down();
+    drop_folder();
+    return 0;
 }
 
-static session_end play(const happening *script, size_t count, const char *replay)
+static session_end play_sample(const happening *script, size_t count, const char *replay)
 {
-    daft_error error = {0};
-    s.screen = (script_platform){.face = {.close = nothing,
-                                          .poll = poll_script,
-                                          .get_size = size_script,
-                                          .wants_frame = wants_frame_script,
-                                          .present = present_script,
-                                          .end_frame = end_frame_script,
-                                          .now_ns = now_script,
-                                          .set_title = title_script,
-                                          .grab_mouse = grab_script,
-                                          .hide = nothing},
-                                 .next = script,
-                                 .end = script + count};
-    const session_def def = {.screen = &s.screen.face,
-                             .engine = s.engine,
-                             .where = &s.where,
-                             .face = s.face,
-                             .quality.preset = DAFT_PRESET_DRAFT,
-                             .scale = 1,
-                             .pauses = true,
-                             .record = replay ? NULL : recorded,
-                             .replay = replay,
-                             .seed = 1};
-    const session_end end = session_play(&def, &s.info, &error);
-    if (end == SESSION_FAILED) fail_msg("%s", error.message);
-    return end;
+    begin_script(script, count);
+    s.def.pauses = true, s.def.record = replay ? NULL : recorded, s.def.replay = replay;
+    return play("sample");
 }
 
-#define PLAY(script) play(script, sizeof script / sizeof script[0], NULL)
+#define PLAY_SAMPLE(script) play_sample(script, sizeof script / sizeof script[0], NULL)
 
-static int count_lines(const char *wanted)
+static int count_recorded(const char *wanted)
 {
-    char line[1200];
-    int count = 0;
-    FILE *file = fopen(recorded, "r");
-    assert_non_null(file);
-    while (fgets(line, sizeof line, file)) count += strstr(line, wanted) != NULL;
-    fclose(file);
+    int count;
+    count_lines(recorded, wanted, &count);
     return count;
 }
 
 /* ---- at a window ---- */
 
-static const happening TYPES[] = {{5, "console"},     {6, " ball:push(0, 900, 0)"},
-                                  {7, "+return"},     {9, "-return"},
-                                  {10, " score = 7"}, {11, "+return"},
-                                  {12, "-return"},    {13, "+left"},
-                                  {20, "-left"},      {30, "console"},
-                                  {40, "+up"},        {100, "close"}};
+static const happening TYPES[] = {{5, "console", 0, 0},     {6, " ball:push(0, 900, 0)", 0, 0},
+                                  {7, "+return", 0, 0},     {9, "-return", 0, 0},
+                                  {10, " score = 7", 0, 0}, {11, "+return", 0, 0},
+                                  {12, "-return", 0, 0},    {13, "+left", 0, 0},
+                                  {20, "-left", 0, 0},      {30, "console", 0, 0},
+                                  {40, "+up", 0, 0},        {100, "close", 0, 0}};
 
 static void what_is_typed_is_recorded_and_replayed(void **unused)
 {
     (void)unused;
     static char output[OUTPUT_SIZE];
     char command[260];
-    assert_int_equal(PLAY(TYPES), SESSION_CLOSED);
-    assert_int_equal(count_lines(" lua ball:push(0, 900, 0)"), 1);
-    assert_int_equal(count_lines(" lua score = 7"), 1);
-    assert_int_equal(count_lines("left"), 0); /* keys are the console's while it is open, */
-    assert_int_equal(count_lines("+up"), 1);  /* and the game's again when it has closed */
+    assert_int_equal(PLAY_SAMPLE(TYPES), SESSION_CLOSED);
+    assert_int_equal(count_recorded(" lua ball:push(0, 900, 0)"), 1);
+    assert_int_equal(count_recorded(" lua score = 7"), 1);
+    assert_int_equal(count_recorded("left"), 0); /* keys are the console's while it is open, */
+    assert_int_equal(count_recorded("+up"), 1);  /* and the game's again when it has closed */
     assert_status(run_daft(output, "play tests/games/sample --headless --replay %s --strict", recorded), 0, output);
     /* Without the line the ball does not fly: the comparison would have found out. */
     snprintf(command, sizeof command, "sed '/lua ball/d' %s > %s.cut", recorded, recorded);
@@ -194,21 +73,22 @@ static void what_is_typed_is_recorded_and_replayed(void **unused)
 static void escape_closes_the_console_and_not_the_game(void **unused)
 {
     (void)unused;
-    const happening escape[] = {{5, "console"}, {8, "+escape"}, {9, "-escape"}, {20, "+up"}, {60, "close"}};
-    assert_int_equal(PLAY(escape), SESSION_CLOSED);
-    assert_int_equal(count_lines("+up"), 1); /* no pause menu took it */
+    const happening escape[] = {
+        {5, "console", 0, 0}, {8, "+escape", 0, 0}, {9, "-escape", 0, 0}, {20, "+up", 0, 0}, {60, "close", 0, 0}};
+    assert_int_equal(PLAY_SAMPLE(escape), SESSION_CLOSED);
+    assert_int_equal(count_recorded("+up"), 1); /* no pause menu took it */
 }
 
 static void the_console_shows_itself(void **unused)
 {
     (void)unused;
-    const happening none[] = {{30, "close"}}, shown[] = {{5, "console"}, {30, "close"}},
-                    hidden[] = {{5, "console"}, {9, "console"}, {30, "close"}};
-    assert_int_equal(PLAY(none), SESSION_CLOSED);
+    const happening none[] = {{30, "close", 0, 0}}, shown[] = {{5, "console", 0, 0}, {30, "close", 0, 0}},
+                    hidden[] = {{5, "console", 0, 0}, {9, "console", 0, 0}, {30, "close", 0, 0}};
+    assert_int_equal(PLAY_SAMPLE(none), SESSION_CLOSED);
     const uint64_t without = s.screen.hash;
-    assert_int_equal(PLAY(shown), SESSION_CLOSED);
+    assert_int_equal(PLAY_SAMPLE(shown), SESSION_CLOSED);
     assert_true(s.screen.hash != without);
-    assert_int_equal(PLAY(hidden), SESSION_CLOSED);
+    assert_int_equal(PLAY_SAMPLE(hidden), SESSION_CLOSED);
     assert_true(s.screen.hash == without);
 }
 
@@ -217,15 +97,18 @@ static void a_recording_is_left_alone(void **unused)
 {
     (void)unused;
     char first[120];
-    assert_int_equal(PLAY(TYPES), SESSION_CLOSED);
+    assert_int_equal(PLAY_SAMPLE(TYPES), SESSION_CLOSED);
     snprintf(first, sizeof first, "%s.first", recorded);
     assert_int_equal(rename(recorded, first), 0);
-    const happening watch[] = {{40, "close"}};
-    assert_int_equal(play(watch, 1, first), SESSION_CLOSED);
-    const happening close[] = {
-        {5, "console"}, {6, " ball:push(0, -900, 0)"}, {7, "+return"}, {8, "console"}, {40, "close"}};
+    const happening watch[] = {{40, "close", 0, 0}};
+    assert_int_equal(play_sample(watch, 1, first), SESSION_CLOSED);
+    const happening close[] = {{5, "console", 0, 0},
+                               {6, " ball:push(0, -900, 0)", 0, 0},
+                               {7, "+return", 0, 0},
+                               {8, "console", 0, 0},
+                               {40, "close", 0, 0}};
     const uint64_t alone = s.screen.hash;
-    assert_int_equal(play(close, 5, first), SESSION_CLOSED);
+    assert_int_equal(play_sample(close, 5, first), SESSION_CLOSED);
     assert_true(s.screen.hash == alone);
 }
 
@@ -234,23 +117,24 @@ static void the_inspector_takes_clicks_and_changes_are_recorded(void **unused)
 {
     (void)unused;
     static char output[OUTPUT_SIZE];
-    const happening clicks[] = {{5, "+f4"},         {6, "@50 45"},    {6, "+mouse1"},
-                                {7, "-mouse1"},     {8, "+down"},     {8, "-down"},
-                                {9, "+down"},       {9, "-down"},     {10, "+down"},
-                                {10, "-down"},      {11, "+return"},  {11, "-return"},
-                                {12, "+left ctrl"}, {12, "+u"},       {12, "-u"},
-                                {12, "-left ctrl"}, {13, " 0, 7, 0"}, {14, "+return"},
-                                {14, "-return"},    {20, "console"},  {21, " score = it:position() it = it"},
-                                {22, "+return"},    {30, "console"},  {31, "+escape"},
-                                {32, "-escape"},    {40, "+up"},      {90, "close"}};
-    assert_int_equal(PLAY(clicks), SESSION_CLOSED);
-    assert_int_equal(count_lines(":position(0, 7, 0)"), 1);
-    assert_int_equal(count_lines("lua score = entity_"), 1);
-    assert_int_equal(count_lines("it = it"), 0);
-    assert_int_equal(count_lines("it = entity_"), 1);
-    assert_int_equal(count_lines("mouse"), 0); /* the game hears of no click */
-    assert_int_equal(count_lines("down"), 0);
-    assert_int_equal(count_lines("+up"), 1); /* Esc has closed it */
+    const happening clicks[] = {
+        {5, "+f4", 0, 0},         {6, "move", 0.50f, 0.45f}, {6, "+mouse1", 0, 0},
+        {7, "-mouse1", 0, 0},     {8, "+down", 0, 0},        {8, "-down", 0, 0},
+        {9, "+down", 0, 0},       {9, "-down", 0, 0},        {10, "+down", 0, 0},
+        {10, "-down", 0, 0},      {11, "+return", 0, 0},     {11, "-return", 0, 0},
+        {12, "+left ctrl", 0, 0}, {12, "+u", 0, 0},          {12, "-u", 0, 0},
+        {12, "-left ctrl", 0, 0}, {13, " 0, 7, 0", 0, 0},    {14, "+return", 0, 0},
+        {14, "-return", 0, 0},    {20, "console", 0, 0},     {21, " score = it:position() it = it", 0, 0},
+        {22, "+return", 0, 0},    {30, "console", 0, 0},     {31, "+escape", 0, 0},
+        {32, "-escape", 0, 0},    {40, "+up", 0, 0},         {90, "close", 0, 0}};
+    assert_int_equal(PLAY_SAMPLE(clicks), SESSION_CLOSED);
+    assert_int_equal(count_recorded(":position(0, 7, 0)"), 1);
+    assert_int_equal(count_recorded("lua score = entity_"), 1);
+    assert_int_equal(count_recorded("it = it"), 0);
+    assert_int_equal(count_recorded("it = entity_"), 1);
+    assert_int_equal(count_recorded("mouse"), 0); /* the game hears of no click */
+    assert_int_equal(count_recorded("down"), 0);
+    assert_int_equal(count_recorded("+up"), 1); /* Esc has closed it */
     assert_status(run_daft(output, "play tests/games/sample --headless --replay %s --strict", recorded), 0, output);
 }
 
@@ -270,7 +154,7 @@ static void open_game(void)
 {
     daft_error error;
     const game_def def = {.where = &s.where,
-                          .info = &s.info,
+                          .info = &info,
                           .engine = s.engine,
                           .face = s.face,
                           .seed = 1,
@@ -662,5 +546,5 @@ int main(void)
                                        cmocka_unit_test(letters_are_edited),
                                        cmocka_unit_test(held_keys_repeat),
                                        cmocka_unit_test(what_was_typed_comes_back)};
-    return cmocka_run_group_tests_name("runtime console", tests, set_up, tear_down);
+    return cmocka_run_group_tests_name("runtime console", tests, open_all, close_all);
 }

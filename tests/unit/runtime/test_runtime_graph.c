@@ -1,6 +1,6 @@
 /* runtime: the figures of frames that F1 shows as bars, and where panels go. */
 #include "hud/graph.h"
-#include "session/panels.h"
+#include "tools/panels.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

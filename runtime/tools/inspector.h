@@ -1,14 +1,14 @@
 /* inspector: what the entity under the mouse is, field by field, to be changed in place (F4). A change is a line of
  * Lua, as one typed in the console: the same setters check it, and recordings hold it. It reads the scene and changes
  * nothing by itself. */
-#ifndef RUNTIME_SESSION_INSPECTOR_H
-#define RUNTIME_SESSION_INSPECTOR_H
+#ifndef RUNTIME_TOOLS_INSPECTOR_H
+#define RUNTIME_TOOLS_INSPECTOR_H
 
 #include "hud/canvas.h"
 #include "lua/statement.h"
 #include "platform/input.h"
-#include "session/console.h"
-#include "session/panels.h"
+#include "tools/console.h"
+#include "tools/panels.h"
 
 enum { INSPECTOR_ROWS = 48, INSPECTOR_VALUE = 160, INSPECTOR_MESSAGE = 300 };
 static const float INSPECTOR_WIDTH = 380, INSPECTOR_ROW = 23, INSPECTOR_HEAD = 40; /* HUD units */

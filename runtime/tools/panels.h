@@ -1,6 +1,6 @@
 /* panels: where the program's own panels go: where they cover least of the game's text, and not each other. */
-#ifndef RUNTIME_SESSION_PANELS_H
-#define RUNTIME_SESSION_PANELS_H
+#ifndef RUNTIME_TOOLS_PANELS_H
+#define RUNTIME_TOOLS_PANELS_H
 
 #include "hud/canvas.h"
 

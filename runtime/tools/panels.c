@@ -1,5 +1,5 @@
 /* Tries places along the upper and the lower edge, and below other panels. */
-#include "session/panels.h"
+#include "tools/panels.h"
 
 #include <math.h>
 

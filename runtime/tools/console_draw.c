@@ -1,5 +1,5 @@
 /* The console over the picture. */
-#include "session/console.h"
+#include "tools/console.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,5 +1,5 @@
 /* The inspector's panel. */
-#include "session/inspector.h"
+#include "tools/inspector.h"
 
 #include <math.h>
 

@@ -1,5 +1,5 @@
 /* What was typed and said, and what keys do. */
-#include "session/console.h"
+#include "tools/console.h"
 
 #include "common/util.h"
 #include "lua/api.h"

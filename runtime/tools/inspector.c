@@ -1,5 +1,5 @@
 /* The fields of an entity as rows, and what keys and the mouse do with them. */
-#include "session/inspector.h"
+#include "tools/inspector.h"
 
 #include "common/util.h"
 

@@ -1,5 +1,5 @@
 /* A line of text being typed. */
-#include "session/edit.h"
+#include "tools/edit.h"
 
 #include "common/util.h"
 

@@ -1,7 +1,7 @@
 /* edit: one line of text that somebody types: letters, the cursor, and keys that move and delete. Promises: the text is
  * UTF-8 that ends with a zero byte, and the cursor stands between two letters of it. */
-#ifndef RUNTIME_SESSION_EDIT_H
-#define RUNTIME_SESSION_EDIT_H
+#ifndef RUNTIME_TOOLS_EDIT_H
+#define RUNTIME_TOOLS_EDIT_H
 
 #include <stdbool.h>
 #include <stddef.h>

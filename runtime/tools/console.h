@@ -1,12 +1,12 @@
 /* console: what somebody types to a game that runs, what came of it, and what the game prints. It knows no game: who
  * has one runs the lines that it wishes to run. Promises: while it is closed it keeps the last CONSOLE_LINES lines and
  * draws nothing. */
-#ifndef RUNTIME_SESSION_CONSOLE_H
-#define RUNTIME_SESSION_CONSOLE_H
+#ifndef RUNTIME_TOOLS_CONSOLE_H
+#define RUNTIME_TOOLS_CONSOLE_H
 
 #include "hud/canvas.h"
 #include "lua/statement.h"
-#include "session/edit.h"
+#include "tools/edit.h"
 
 enum { CONSOLE_LINES = 400, CONSOLE_HISTORY = 100, CONSOLE_PRINTED = 1000 };
 
