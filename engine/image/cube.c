@@ -111,15 +111,15 @@ static bool take_face(const daft_allocator *allocator, const daft_sky_image *fac
     return true;
 }
 
-bool daft_sky_read_cube(const daft_allocator *allocator, const daft_files *files, const char *const paths[6],
-                        daft_sky_image *out, daft_error *error)
+bool daft_sky_decode_cube(const daft_allocator *allocator, const daft_image_file files[6], daft_sky_image *out,
+                          daft_error *error)
 {
     *out = (daft_sky_image){0};
     for (int i = 0; i < 6; i++) {
         daft_sky_image face;
-        bool done = daft_sky_read(allocator, files, paths[i], &face, error);
+        bool done = daft_sky_decode(allocator, &files[i], &face, error);
         if (done) {
-            done = take_face(allocator, &face, i, paths[i], out, error);
+            done = take_face(allocator, &face, i, files[i].path, out, error);
             daft_sky_free(allocator, &face);
         }
         if (done) continue;

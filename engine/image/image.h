@@ -32,6 +32,21 @@ void daft_image_enlarge(const daft_image *from, daft_image *to, daft_upscale how
 float daft_srgb_to_linear(float encoded);
 float daft_linear_to_srgb(float linear); /* clamps to 0..1 */
 
+/* Textures and skies that several scenes of an engine have, once in memory: known by the bytes of their files, so that
+ * a scene that is loaded while another one has the same decodes none of them again. Each is freed with its last
+ * holder. */
+typedef struct daft_shared_image daft_shared_image;
+typedef struct daft_image_cache {
+    daft_shared_image *first; /* NULL: none */
+} daft_image_cache;
+
+/* A file that has been read; `path` names it in messages. */
+typedef struct daft_image_file {
+    const char *path;
+    const void *bytes;
+    size_t size;
+} daft_image_file;
+
 /* Level 0 is the full image; each level halves both sides (at least 1), box filtered in linear light. Texels are sRGB
  * bytes, RGBA; `linear` turns a byte into linear light. Row 0 is the TOP row; v = 0 is the bottom (OBJ's convention).
  */
@@ -39,11 +54,12 @@ enum { DAFT_MAX_MIPS = 15 };
 typedef struct daft_texture_data {
     int levels;
     int width[DAFT_MAX_MIPS], height[DAFT_MAX_MIPS];
-    uint8_t *texels[DAFT_MAX_MIPS]; /* level 0, and an allocation with all others */
-    bool from_stb;                  /* level 0 is what stb_image has made */
-    bool has_alpha;                 /* some texel's is not 255 */
-    uint64_t revision;              /* the holder's: no other texture has it */
-    bool missing;                   /* stands in for a file that could not be read */
+    uint8_t *texels[DAFT_MAX_MIPS];   /* level 0, and an allocation with all others */
+    bool from_stb;                    /* level 0 is what stb_image has made */
+    bool has_alpha;                   /* some texel's is not 255 */
+    bool missing;                     /* stands in for a file that could not be read */
+    uint64_t revision;                /* the holder's: no other texture has it */
+    struct daft_shared_image *shared; /* what owns the texels; NULL: this does */
 } daft_texture_data;
 
 /* What is made of an image's bytes before it is a texture: all of red, green and blue become one channel (r g b m l z
@@ -64,11 +80,12 @@ bool daft_texture_build(const daft_allocator *allocator, const uint8_t *rgba, in
                         daft_texture_data *out, daft_error *error);
 bool daft_texture_read(const daft_allocator *allocator, const daft_files *files, const char *path,
                        daft_texture_data *out, daft_error *error);
-bool daft_texture_read_changed(const daft_allocator *allocator, const daft_files *files, const char *path,
-                               const daft_texture_change *change, daft_texture_data *out, daft_error *error);
-/* The same from memory; `path` names it in messages. */
-bool daft_texture_decode(const daft_allocator *allocator, const void *bytes, size_t size, const char *path,
-                         daft_texture_data *out, daft_error *error);
+/* The same from memory. `change` may be NULL. */
+bool daft_texture_decode(const daft_allocator *allocator, const daft_image_file *file,
+                         const daft_texture_change *change, daft_texture_data *out, daft_error *error);
+/* The same texels that another texture has, if one of the cache is made of the same. */
+bool daft_texture_share(daft_image_cache *cache, const daft_allocator *allocator, const daft_image_file *file,
+                        const daft_texture_change *change, daft_texture_data *out, daft_error *error);
 /* The magenta and black checker that stands for a missing file. */
 bool daft_texture_missing(const daft_allocator *allocator, daft_texture_data *out, daft_error *error);
 void daft_texture_free(const daft_allocator *allocator, daft_texture_data *texture);
@@ -80,14 +97,20 @@ typedef struct daft_sky_image {
     float *texels; /* 3·width·height */
     bool from_stb; /* texels are what stb_image has made */
     bool cube; /* instead six faces, one below the other: `width` a side, the outer texels copies of its neighbours' */
+    struct daft_shared_image *shared; /* what owns the texels; NULL: this does */
 } daft_sky_image;
 
 bool daft_sky_read(const daft_allocator *allocator, const daft_files *files, const char *path, daft_sky_image *out,
                    daft_error *error);
+bool daft_sky_decode(const daft_allocator *allocator, const daft_image_file *file, daft_sky_image *out,
+                     daft_error *error);
 /* Six images: right, left, top, bottom, front, back as seen from within (see daft_scene_set_sky_cube). */
 enum { DAFT_MAX_CUBE_SIDE = 8192 }; /* offsets of floats are 32 bits */
-bool daft_sky_read_cube(const daft_allocator *allocator, const daft_files *files, const char *const paths[6],
-                        daft_sky_image *out, daft_error *error);
+bool daft_sky_decode_cube(const daft_allocator *allocator, const daft_image_file files[6], daft_sky_image *out,
+                          daft_error *error);
+/* Of one image, or as a cube of six; shared as textures are. */
+bool daft_sky_share(daft_image_cache *cache, const daft_allocator *allocator, const daft_image_file *files, int count,
+                    daft_sky_image *out, daft_error *error);
 /* The direction, of any length, in which place x, y of a face lies, 0 to 1 from its upper left corner; and the face in
  * a direction, and where in it. */
 daft_dvec3 daft_cube_direction(int face, double x, double y);

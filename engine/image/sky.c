@@ -3,35 +3,52 @@
 #include "image/color.h"
 #include "image/decode.h"
 #include "image/image.h"
+#include "image/shared.h"
 #include "image/stb_memory.h"
 #include "math/trig.h"
 
-bool daft_sky_read(const daft_allocator *allocator, const daft_files *files, const char *path, daft_sky_image *out,
+/* Takes over what was decoded. */
+static bool sky_of(const daft_allocator *allocator, daft_decoded *decoded, const char *path, daft_sky_image *out,
                    daft_error *error)
 {
-    daft_decoded decoded;
-    if (!daft_decode_file(allocator, files, path, &decoded, error)) return false;
-    if (decoded.floats) {
+    if (decoded->floats) {
         *out = (daft_sky_image){
-            .width = decoded.width, .height = decoded.height, .texels = decoded.floats, .from_stb = true};
+            .width = decoded->width, .height = decoded->height, .texels = decoded->floats, .from_stb = true};
         return true;
     }
-    size_t pixels = (size_t)decoded.width * (size_t)decoded.height;
+    size_t pixels = (size_t)decoded->width * (size_t)decoded->height;
     float *texels = daft_alloc(allocator, 3 * pixels, sizeof(float));
     if (texels) {
         daft_srgb_table table;
         daft_srgb_table_make(&table);
         for (size_t i = 0; i < pixels; i++)
-            for (size_t c = 0; c < 3; c++) texels[3 * i + c] = table.linear[decoded.bytes[4 * i + c]];
-        *out = (daft_sky_image){.width = decoded.width, .height = decoded.height, .texels = texels};
+            for (size_t c = 0; c < 3; c++) texels[3 * i + c] = table.linear[decoded->bytes[4 * i + c]];
+        *out = (daft_sky_image){.width = decoded->width, .height = decoded->height, .texels = texels};
     }
-    daft_decoded_free(allocator, &decoded);
+    daft_decoded_free(allocator, decoded);
     return texels || daft_fail_at(error, DAFT_ERROR_MEMORY, path, 0, 0, "out of memory for the sky");
+}
+
+bool daft_sky_read(const daft_allocator *allocator, const daft_files *files, const char *path, daft_sky_image *out,
+                   daft_error *error)
+{
+    daft_decoded decoded;
+    return daft_decode_file(allocator, files, path, &decoded, error) && sky_of(allocator, &decoded, path, out, error);
+}
+
+bool daft_sky_decode(const daft_allocator *allocator, const daft_image_file *file, daft_sky_image *out,
+                     daft_error *error)
+{
+    daft_decoded decoded;
+    return daft_decode_bytes(allocator, file->bytes, file->size, file->path, &decoded, error) &&
+           sky_of(allocator, &decoded, file->path, out, error);
 }
 
 void daft_sky_free(const daft_allocator *allocator, daft_sky_image *sky)
 {
-    if (sky->from_stb)
+    if (sky->shared)
+        daft_shared_image_release(allocator, sky->shared);
+    else if (sky->from_stb)
         daft_stb_release(allocator, sky->texels);
     else
         daft_release(allocator, sky->texels);

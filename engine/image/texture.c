@@ -3,6 +3,7 @@
 #include "image/color.h"
 #include "image/decode.h"
 #include "image/image.h"
+#include "image/shared.h"
 #include "image/stb_memory.h"
 
 #include <string.h>
@@ -230,21 +231,14 @@ static bool limit_side(const daft_allocator *allocator, int most, daft_texture_d
     return done;
 }
 
-bool daft_texture_read_changed(const daft_allocator *allocator, const daft_files *files, const char *path,
-                               const daft_texture_change *change, daft_texture_data *out, daft_error *error)
+bool daft_texture_decode(const daft_allocator *allocator, const daft_image_file *file,
+                         const daft_texture_change *change, daft_texture_data *out, daft_error *error)
 {
     daft_image image;
-    if (!daft_image_read(allocator, files, path, &image, error)) return false;
-    change_texels(image.pixels, (size_t)image.width * (size_t)image.height, change);
+    if (!daft_image_decode(allocator, file->bytes, file->size, file->path, &image, error)) return false;
+    if (change) change_texels(image.pixels, (size_t)image.width * (size_t)image.height, change);
     return texture_of(allocator, &image, out, error) &&
-           (change->most == 0 || limit_side(allocator, change->most, out, error));
-}
-
-bool daft_texture_decode(const daft_allocator *allocator, const void *bytes, size_t size, const char *path,
-                         daft_texture_data *out, daft_error *error)
-{
-    daft_image image;
-    return daft_image_decode(allocator, bytes, size, path, &image, error) && texture_of(allocator, &image, out, error);
+           (!change || change->most == 0 || limit_side(allocator, change->most, out, error));
 }
 
 bool daft_texture_missing(const daft_allocator *allocator, daft_texture_data *out, daft_error *error)
@@ -266,7 +260,9 @@ bool daft_texture_missing(const daft_allocator *allocator, daft_texture_data *ou
 
 void daft_texture_free(const daft_allocator *allocator, daft_texture_data *texture)
 {
-    if (texture->from_stb)
+    if (texture->shared)
+        daft_shared_image_release(allocator, texture->shared), texture->texels[1] = NULL;
+    else if (texture->from_stb)
         daft_stb_release(allocator, texture->texels[0]);
     else
         daft_release(allocator, texture->texels[0]);

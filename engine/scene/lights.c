@@ -166,12 +166,19 @@ daft_exposure daft_scene_exposure(const daft_scene *scene) { return scene ? scen
 
 daft_sky_item *daft_sky_item_read(const daft_scene *scene, const char *const *paths, int count, daft_error *error)
 {
-    const daft_files *files = scene->engine->files;
+    daft_image_file files[6];
+    char *bytes[6] = {NULL};
     daft_sky_item *item = daft_alloc_zero(scene->allocator, 1, sizeof *item);
-    if (!item) daft_fail_memory(error, "a sky");
-    if (item && (count == 6 ? daft_sky_read_cube(scene->allocator, files, paths, &item->image, error)
-                            : daft_sky_read(scene->allocator, files, paths[0], &item->image, error)))
-        return item;
+    bool done = item || daft_fail_memory(error, "a sky");
+    for (int i = 0; done && i < count; i++) {
+        files[i] = (daft_image_file){.path = paths[i]};
+        files[i].bytes = bytes[i] =
+            daft_file_read(scene->allocator, scene->engine->files, paths[i], &files[i].size, error);
+        done = bytes[i] != NULL;
+    }
+    done = done && daft_sky_share(&scene->engine->images, scene->allocator, files, count, &item->image, error);
+    for (int i = 0; i < count; i++) daft_release(scene->allocator, bytes[i]);
+    if (done) return item;
     daft_release(scene->allocator, item);
     return NULL;
 }

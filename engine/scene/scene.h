@@ -35,6 +35,7 @@ struct daft_engine {
     int scenes;              /* alive */
     daft_renderer *renderer; /* made by the first daft_render */
     uint64_t revision; /* counts changes of all scenes, and stamps what was made from them: no two stamps are equal */
+    daft_image_cache images; /* of its scenes */
 };
 
 /* An affine map in double, for composing; rounded to daft_affine once, relative to a frame's origin. */

@@ -42,6 +42,7 @@ static bool start(game_state *state, daft_error *error)
                     .name = state->def.info->name,
                     .engine = state->def.engine,
                     .memory = state->def.memory,
+                    .sounds = state->def.sounds,
                     .keep_font = state->def.keep_font,
                     .keeper = state->def.keeper,
                     .scene = state->scene,

@@ -26,6 +26,7 @@ typedef struct game_def {
     const daft_allocator *memory;
     void (*keep_font)(void *keeper, font *face);
     void *keeper;
+    sound_cache *sounds; /* as in host_def */
     font *face;
     quality_wish quality; /* QUALITY_OF_SCENE: what the game asks for */
     uint64_t seed;

@@ -168,6 +168,7 @@ static relive_end hand_over(game_state *old, game_state *fresh, trail *from, cha
     saves *kept = saves_copy(old->def.saves, error);
     old->scripts.handed = NULL;
     def.record = NULL, def.trail = NULL, def.heard = NULL, def.handed = handed;
+    def.sounds = old->scripts.cache;
     if (!kept || !game_open(fresh, &def, error)) {
         char text[1100];
         snprintf(message, HOST_MESSAGE, "%.900s", daft_error_text(error, text, sizeof text));
@@ -202,7 +203,7 @@ relive_end relive(game_state *old, game_state *fresh, trail *from, char message[
     from->made.next = from->made.next_line = 0, from->made.end = old->ticks;
     def.replay = &from->made, def.record = NULL, def.trail = NULL, def.heard = NULL, def.printed = NULL,
     def.answered = NULL, def.saves = kept;
-    def.handed = from->handed;
+    def.handed = from->handed, def.sounds = old->scripts.cache;
     bool good = kept && game_open(fresh, &def, error);
     const bool opened = good;
     if (good) fresh->ticks = from->first, fresh->keys = from->keys;

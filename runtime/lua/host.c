@@ -570,6 +570,7 @@ bool host_open(host *state, const host_def *def)
 {
     *state = (host){.def = *def, .target_ms = -1, .window.full_screen = -1, .scale = 1, .next_scale = 1};
     mixer_init(&state->mixer);
+    state->cache = def->sounds ? sound_cache_hold(def->sounds) : sound_cache_open(def->memory);
     random_seed(&state->random, def->seed);
     random_seed(&state->draw_random, ~def->seed);
     state->L = lua_newstate(allocate, state);
@@ -598,6 +599,8 @@ void host_close(host *state)
     free(state->handed);
     state->handed = NULL;
     mixer_free(&state->mixer);
+    sound_cache_release(state->cache);
+    state->cache = NULL;
     daft_image_destroy(state->window.icon);
     state->window.icon = NULL;
     daft_engine_unreserve(state->def.engine, state->reserved);

@@ -18,7 +18,7 @@
 #include "lua/failure.h"
 #include "lua/profile.h"
 #include "lua/watchdog.h"
-#include "sound/sound.h"
+#include "sound/cache.h"
 
 #include <lua.h>
 #include <stdatomic.h>
@@ -42,6 +42,7 @@ typedef struct host_def {
     const char *name;        /* the game's, in messages */
     daft_engine *engine;
     const daft_allocator *memory; /* for all that the scripts hold; NULL: malloc. Must stay */
+    sound_cache *sounds;          /* of another host on the same engine and memory, to share what both have; or NULL */
     daft_scene *scene;
     input *keys;
     const key_map *map; /* the player's keys, to show them; or NULL */
@@ -119,6 +120,7 @@ typedef struct host {
     char *answer;
     trial *trial;                  /* a test of the game runs beside it: lua/trial.h; or NULL */
     mixer mixer;                   /* what sounds */
+    sound_cache *cache;            /* the sounds that are there; NULL: there was no memory for it */
     uint32_t sounds, music;        /* made so far; the voice of the music */
     uint32_t fonts, images;        /* made so far */
     char *handed;                  /* what the game hands over to new code, as daft.save writes it; or NULL */

@@ -44,6 +44,8 @@ sound *sound_hold(sound *self)
 void sound_release(sound *self)
 {
     if (!self || --self->holders) return;
+    if (self->link) *self->link = self->next;
+    if (self->link && self->next) self->next->link = self->link;
     daft_engine_unreserve(self->engine, bytes_of(self->channels, self->frames));
     const daft_allocator memory = self->memory;
     memory_release(&memory, self);

@@ -1,5 +1,5 @@
 /* sound: what a game's sounds are and how they are mixed: samples that were decoded or made by the synthesiser, voices
- * that play them, and a tape of what was heard. Public headers: sound.h synth.h tape.h
+ * that play them, and a tape of what was heard. Public headers: sound.h synth.h cache.h tape.h
  * Time is the game's: each tick is SOUND_TICK frames, so the same ticks give the same sound, at any speed, with and
  * without a loudspeaker. Promises: the same voices give the same bytes on every machine; nothing that a game can ask
  * for depends on whether anybody listens. */
@@ -19,11 +19,18 @@ enum {
 
 /* ---- samples ---- */
 
+/* What a sound is made of: a hash of its bytes, and their number. */
+typedef struct sound_key {
+    uint64_t hash, size;
+} sound_key;
+
 /* Frames at SOUND_RATE, of one channel or left and right by turns. Counts towards the engine's memory limit. */
 typedef struct sound {
     daft_engine *engine;
     daft_allocator memory; /* that it is from; all zero: malloc */
     uint32_t holders;
+    sound_key key; /* in a cache (cache.h); link NULL: it is in none */
+    struct sound *next, **link;
     int channels;
     uint32_t frames;
     int16_t samples[];

@@ -462,6 +462,17 @@ static daft_texture replace_texture(daft_scene *scene, uint32_t texture, daft_te
     return (daft_texture){texture};
 }
 
+static bool read_texture(const daft_scene *scene, const char *path, const daft_texture_change *change,
+                         daft_texture_data *out, daft_error *error)
+{
+    daft_image_file file = {.path = path};
+    char *bytes = daft_file_read(scene->allocator, scene->engine->files, path, &file.size, error);
+    file.bytes = bytes;
+    const bool done = bytes && daft_texture_share(&scene->engine->images, scene->allocator, &file, change, out, error);
+    daft_release(scene->allocator, bytes);
+    return done;
+}
+
 daft_texture daft_texture_load(daft_scene *scene, const char *path, daft_error *error)
 {
     daft_error_clear(error);
@@ -469,8 +480,7 @@ daft_texture daft_texture_load(daft_scene *scene, const char *path, daft_error *
     uint32_t cached = texture_cached(scene, path, daft_path_hash(path));
     bool missing = cached && scene->assets.textures[daft_asset_index(cached)].missing;
     daft_texture_data data = {0};
-    if ((!cached || missing) && !daft_texture_read(scene->allocator, scene->engine->files, path, &data, error))
-        return (daft_texture){0};
+    if ((!cached || missing) && !read_texture(scene, path, NULL, &data, error)) return (daft_texture){0};
     if (!cached) return texture_add(scene, path, path, &data, error);
     /* a material has asked for it before it was there: the checker gives way */
     if (missing && !replace_texture(scene, cached, &data, error).id) return (daft_texture){0};
@@ -514,10 +524,9 @@ static void find_map(const daft_mtl *mtl, daft_mtl_use use, map_source *out)
 
 static bool read_map(const daft_scene *scene, const map_source *map, daft_texture_data *out, daft_error *why)
 {
-    if (map->bytes) return daft_texture_decode(scene->allocator, map->bytes, map->size, map->path, out, why);
-    if (daft_texture_is_changed(&map->change))
-        return daft_texture_read_changed(scene->allocator, scene->engine->files, map->path, &map->change, out, why);
-    return daft_texture_read(scene->allocator, scene->engine->files, map->path, out, why);
+    const daft_image_file held = {map->path, map->bytes, map->size};
+    if (map->bytes) return daft_texture_share(&scene->engine->images, scene->allocator, &held, NULL, out, why);
+    return read_texture(scene, map->path, daft_texture_is_changed(&map->change) ? &map->change : NULL, out, why);
 }
 
 daft_texture daft_texture_of_map(daft_scene *scene, const daft_mtl *mtl, daft_mtl_use use, daft_error *error)

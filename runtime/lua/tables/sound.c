@@ -60,7 +60,13 @@ static int from_file(lua_State *L, host *h)
     sound_handle *s = push_sound(L, h);
     void *bytes =
         host_find_file(h, name, path, sizeof path, &error) ? daft_read_file(h->def.files, path, &size, &error) : NULL;
-    if (bytes) s->what = audio_decode(h->def.engine, h->def.memory, bytes, size, name, &error);
+    if (bytes) {
+        const sound_key key = sound_key_of_file(bytes, size);
+        s->what = sound_cache_find(h->cache, key);
+        const bool is_new = !s->what;
+        if (is_new) s->what = audio_decode(h->def.engine, h->def.memory, bytes, size, name, &error);
+        if (is_new && s->what) sound_cache_add(h->cache, key, s->what);
+    }
     free(bytes);
     if (!s->what) api_engine_error(L, h, &error);
     return made(h, s->what);
@@ -89,8 +95,11 @@ static int from_numbers(lua_State *L, host *h)
     if (api_field(L, 1, "notes")) def.notes = api_text(L, h, -1, "notes"); /* the table holds it */
     daft_error error;
     sound_handle *s = push_sound(L, h);
+    const sound_key key = sound_key_of_synth(&def);
+    if ((s->what = sound_cache_find(h->cache, key))) return made(h, s->what);
     s->what = synth_make(h->def.engine, h->def.memory, &def, &error);
     if (!s->what) api_engine_error(L, h, &error);
+    sound_cache_add(h->cache, key, s->what);
     return made(h, s->what);
 }
 

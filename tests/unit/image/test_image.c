@@ -645,6 +645,144 @@ static void textures_are_made_in_little_memory(void **unused)
     assert_int_equal(memory.live, 0);
 }
 
+/* ---- what several scenes share ---- */
+
+static daft_image_file file_of(const daft_allocator *allocator, const char *path)
+{
+    daft_error error;
+    daft_image_file file = {.path = path};
+    file.bytes = daft_file_read(allocator, NULL, path, &file.size, &error);
+    if (!file.bytes) fail_msg("%s", error.message);
+    return file;
+}
+
+static void write_noise(const daft_allocator *allocator, const char *path, int width, int height)
+{
+    daft_image image = make_image(allocator, width, height);
+    daft_error error;
+    assert_true(daft_image_write(&image, path, &error));
+    daft_image_free(&image);
+}
+
+static void assert_same_texture(const daft_texture_data *a, const daft_texture_data *b)
+{
+    assert_int_equal(a->levels, b->levels);
+    assert_int_equal(a->has_alpha, b->has_alpha);
+    for (int i = 0; i < a->levels; i++)
+        assert_memory_equal(a->texels[i], b->texels[i], 4 * (size_t)a->width[i] * (size_t)a->height[i]);
+}
+
+/* The texels of a shared texture are those of one that is read alone; they are there once, and gone with the last
+ * holder, in any order. */
+static void textures_of_the_same_bytes_are_shared(void **unused)
+{
+    (void)unused;
+    daft_allocator allocator = counting_allocator(&memory);
+    daft_error error;
+    daft_image_cache cache = {NULL};
+    const daft_texture_change grey = {.channel = 'l', .gain = 1}, dark = {.gain = 0.5f};
+    const daft_texture_change *const changes[] = {NULL, &grey, &dark};
+    write_noise(&allocator, test_path("one.png"), 40, 24);
+    write_noise(&allocator, test_path("two.png"), 40, 24);
+    const daft_image_file files[] = {file_of(&allocator, test_path("one.png")),
+                                     file_of(&allocator, test_path("two.png"))};
+    const long before = memory.live;
+    daft_texture_data shared[2][3][2], alone;
+    for (int f = 0; f < 2; f++)
+        for (int c = 0; c < 3; c++) {
+            for (int i = 0; i < 2; i++)
+                assert_true(daft_texture_share(&cache, &allocator, &files[f], changes[c], &shared[f][c][i], &error));
+            assert_true(daft_texture_decode(&allocator, &files[f], changes[c], &alone, &error));
+            assert_ptr_equal(shared[f][c][0].texels[0], shared[f][c][1].texels[0]);
+            assert_same_texture(&shared[f][c][0], &alone);
+            daft_texture_free(&allocator, &alone);
+        }
+    for (int c = 0; c < 6; c++)
+        for (int d = 0; d < c; d++)
+            assert_ptr_not_equal(shared[c / 3][c % 3][0].texels[0], shared[d / 3][d % 3][0].texels[0]);
+    for (int k = 0; k < 12; k++) {
+        daft_texture_data *t = &shared[k * 7 % 12 / 6][k * 7 % 12 / 2 % 3][k * 7 % 2];
+        const uint8_t *texels = t->texels[0];
+        daft_texture_free(&allocator, t);
+        for (int i = 0; i < 12; i++) { /* the other holder's are still there */
+            const daft_texture_data *other = &shared[i / 6][i / 2 % 3][i % 2];
+            if (other->texels[0] == texels) assert_true(other->levels > 1 && texels[3] == 255);
+        }
+    }
+    assert_null(cache.first);
+    assert_int_equal(memory.live, before);
+    for (int f = 0; f < 2; f++) daft_release(&allocator, (void *)(uintptr_t)files[f].bytes);
+}
+
+/* One image, and six as a cube; a texture of the same file is something else. */
+static void skies_of_the_same_bytes_are_shared(void **unused)
+{
+    (void)unused;
+    daft_allocator allocator = counting_allocator(&memory);
+    daft_error error;
+    daft_image_cache cache = {NULL};
+    daft_image_file files[6];
+    for (int i = 0; i < 6; i++) {
+        char name[16];
+        snprintf(name, sizeof name, "face%d.png", i);
+        write_noise(&allocator, test_path(name), 8, 8);
+        files[i] = file_of(&allocator, test_path(name));
+        files[i].path = "a face";
+    }
+    const long before = memory.live;
+    daft_sky_image one[2], cube[2], alone;
+    daft_texture_data texture;
+    assert_true(daft_texture_share(&cache, &allocator, &files[0], NULL, &texture, &error));
+    for (int i = 0; i < 2; i++) {
+        assert_true(daft_sky_share(&cache, &allocator, files, 1, &one[i], &error));
+        assert_true(daft_sky_share(&cache, &allocator, files, 6, &cube[i], &error));
+    }
+    assert_ptr_equal(one[0].texels, one[1].texels);
+    assert_ptr_equal(cube[0].texels, cube[1].texels);
+    assert_true(cube[0].cube && !one[0].cube);
+    assert_true(daft_sky_decode_cube(&allocator, files, &alone, &error));
+    assert_memory_equal(alone.texels, cube[0].texels, 3 * sizeof(float) * (size_t)alone.width * (size_t)alone.height);
+    daft_sky_free(&allocator, &alone);
+    assert_true(daft_sky_decode(&allocator, &files[0], &alone, &error));
+    assert_memory_equal(alone.texels, one[0].texels, 3 * sizeof(float) * 64);
+    daft_sky_free(&allocator, &alone);
+    for (int i = 0; i < 2; i++) daft_sky_free(&allocator, &one[i]), daft_sky_free(&allocator, &cube[1 - i]);
+    daft_texture_free(&allocator, &texture);
+    assert_null(cache.first);
+    assert_int_equal(memory.live, before);
+    for (int i = 0; i < 6; i++) daft_release(&allocator, (void *)(uintptr_t)files[i].bytes);
+}
+
+/* Nothing stays of what cannot be decoded, or for which there is no memory. */
+static void what_fails_is_not_shared(void **unused)
+{
+    (void)unused;
+    daft_allocator plain = counting_allocator(&memory);
+    write_noise(&plain, test_path("one.png"), 40, 24);
+    daft_image_file file = file_of(&plain, test_path("one.png"));
+    daft_image_cache cache = {NULL};
+    daft_texture_data texture;
+    daft_error error;
+    const long before = memory.live;
+    for (long fail_at = 0;; fail_at++) {
+        memory.calls = 0, memory.fail_at = fail_at;
+        const bool done = daft_texture_share(&cache, &plain, &file, NULL, &texture, &error);
+        if (done) break;
+        assert_int_equal(error.code, DAFT_ERROR_MEMORY);
+        assert_null(cache.first);
+        assert_int_equal(memory.live, before);
+    }
+    memory.fail_at = -1;
+    daft_texture_free(&plain, &texture);
+    const size_t whole = file.size;
+    file.size /= 2;
+    assert_false(daft_texture_share(&cache, &plain, &file, NULL, &texture, &error));
+    assert_null(cache.first);
+    file.size = whole;
+    daft_release(&plain, (void *)(uintptr_t)file.bytes);
+    assert_int_equal(memory.live, 0);
+}
+
 /* ---- enlarging ---- */
 
 /* A byte of `image`, with its border repeated beyond. */
@@ -730,6 +868,9 @@ int main(void)
         cmocka_unit_test(textures_are_made_in_little_memory),
         cmocka_unit_test(pictures_are_those_of_stb_image),
         cmocka_unit_test(pieces_of_a_png_file_are_joined),
+        cmocka_unit_test(textures_of_the_same_bytes_are_shared),
+        cmocka_unit_test(skies_of_the_same_bytes_are_shared),
+        cmocka_unit_test(what_fails_is_not_shared),
     };
     return cmocka_run_group_tests(tests, make_test_folder, remove_test_folder);
 }

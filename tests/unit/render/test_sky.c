@@ -150,11 +150,16 @@ static daft_sky_image read_cube(int side, light_function *f)
 {
     char paths[6][64];
     const daft_allocator allocator = daft_malloc_allocator();
-    const char *const all[6] = {paths[0], paths[1], paths[2], paths[3], paths[4], paths[5]};
+    daft_image_file files[6];
     daft_sky_image image;
     daft_error error = {0};
     write_cube(paths, side, f);
-    if (!daft_sky_read_cube(&allocator, NULL, all, &image, &error)) fail_msg("%s", error.message);
+    for (int i = 0; i < 6; i++) {
+        files[i].path = paths[i];
+        files[i].bytes = daft_file_read(&allocator, NULL, paths[i], &files[i].size, &error);
+    }
+    if (!daft_sky_decode_cube(&allocator, files, &image, &error)) fail_msg("%s", error.message);
+    for (int i = 0; i < 6; i++) daft_release(&allocator, (void *)(uintptr_t)files[i].bytes);
     remove_cube(paths);
     return image;
 }

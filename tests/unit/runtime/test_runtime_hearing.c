@@ -152,7 +152,7 @@ static void sounds_that_nothing_holds_are_let_go(void **unused)
     assert_status(play("--ticks 3000 --memory-limit 60MB"), 0, output);
     assert_says(output, "went on");
     write_game("local all = {}\n"
-               "function daft.update() all[#all + 1] = daft.sound { pitch = 100, hold = 9 } end\n");
+               "function daft.update() all[#all + 1] = daft.sound { pitch = 100 + 0.01 * #all, hold = 9 } end\n");
     assert_status(play("--ticks 3000 --memory-limit 60MB"), 1, output);
     assert_says(output, "out of memory for a sound of 9.3 s");
 }

@@ -288,6 +288,91 @@ static void what_is_saved_is_soon_seen(void **unused)
     drop_folder();
 }
 
+static char large[4096]; /* what is saved of a large game */
+
+static void save_and_wait_for_white(script_platform *p, uint64_t unused)
+{
+    static const uint8_t WHITE[4] = {255, 255, 255, 255};
+    (void)unused;
+    if (!soon.ns && p->frame == 30) {
+        assert_int_equal(system(large), 0);
+        soon.ns = clock_now_ns(), soon.frame = p->frame;
+    } else if (soon.ns && memcmp(p->corner, WHITE, 4) == 0) {
+        soon.ms[0] = (double)(clock_now_ns() - soon.ns) / 1e6, soon.frames[0] = p->frame - soon.frame;
+        p->closes = true, soon.ns = 0;
+    }
+}
+
+/* The same of games that come with DAFT: their pictures and sounds are there already. */
+static void what_is_saved_in_large_games_is_soon_seen(void **unused)
+{
+    (void)unused;
+    static const char *const GAMES[] = {"marble", "toppler"};
+    for (size_t i = 0; i < COUNT_OF(GAMES); i++) {
+        char line[256];
+        begin_changing("");
+        set_up(NULL, 0);
+        memset(&soon, 0, sizeof soon);
+        snprintf(line, sizeof line, "cp -r %s/games/%s/. %s/changing", DAFT_ROOT, GAMES[i], folder);
+        assert_int_equal(system(line), 0);
+        snprintf(large, sizeof large,
+                 "echo 'function daft.draw() daft.rect(0, 0, 2000, 720, \"#fff\") end' >> %s/changing/main.lua",
+                 folder);
+        s.screen.seen = save_and_wait_for_white, s.screen.width = 640, s.screen.height = 360;
+        assert_int_equal(play_changing(), SESSION_CLOSED);
+        printf("%-12s shows after %5.1f ms, in frame %d\n", GAMES[i], soon.ms[0], (int)soon.frames[0]);
+        assert_true(soon.ms[0] > 0 && soon.ms[0] < 4000);
+        drop_folder();
+    }
+}
+
+static const char LONG_NOTES[] =
+    "local ring = daft.sound('tone.wav')\n"
+    "local hum = daft.sound { beat = 10, notes = 'c4 - - - - - - - - - - - - - - - - - - - - - - -' }\n"
+    "function daft.load() daft.entity { box = {1, 1, 1}, material = 'paint.png', position = {6, 0, 0} } hum:play() "
+    "ring:play() end\n"
+    "function daft.draw() daft.rect(0, 0, 9, 9, '#f%s') end\n";
+
+/* The picture is 1024 pixels a side, the sounds are one and four minutes long: 4, 6 and 23 MB. */
+static void put_large_files(void)
+{
+    enum { SIDE = 1024, FRAMES = 48000 * 60 };
+    char path[96];
+    daft_error error;
+    daft_image *image = daft_image_create(s.engine, SIDE, SIDE, &error);
+    memset(daft_image_pixels(image), 77, (size_t)4 * SIDE * SIDE);
+    snprintf(path, sizeof path, "%s/changing/paint.png", folder);
+    if (!daft_image_write(image, path, &error)) fail_msg("%s", error.message);
+    daft_image_destroy(image);
+    char *wav = malloc(44 + 2 * (size_t)FRAMES);
+    assert_non_null(wav);
+    snprintf(path, sizeof path, "%s/changing/tone.wav", folder);
+    if (!daft_write_file(path, wav, put_wav(wav, FRAMES), &error)) fail_msg("%s", error.message);
+    free(wav);
+}
+
+/* Of a game and the one that takes its place, what both have is in memory once. */
+static void what_both_games_have_is_there_once(void **unused)
+{
+    (void)unused;
+    char first[1024], second[1024] = "write ";
+    snprintf(first, sizeof first, LONG_NOTES, "ff");
+    snprintf(second + 6, sizeof second - 6, LONG_NOTES, "00");
+    const happening none[] = {{80, "close", 0, 0}};
+    const happening saved[] = {{40, second, 0, 0}, {80, "close", 0, 0}};
+    uint64_t peak[2];
+    for (int i = 0; i < 2; i++) {
+        begin_changing(first);
+        set_up(i ? saved : none, i ? 2 : 1);
+        put_large_files();
+        assert_int_equal(play_changing(), SESSION_CLOSED);
+        assert_int_equal(s.screen.corner[1], i ? 0 : 255);
+        peak[i] = s.peak;
+        drop_folder();
+    }
+    if (peak[1] > peak[0] + 3000000) fail_msg("%.1f MB, not %.1f", (double)peak[1] / 1e6, (double)peak[0] / 1e6);
+}
+
 /* ---- time that is held ---- */
 
 /* Back by five, on by two, back by one and one for the first: the tick that the game goes on from; and its recording
@@ -404,6 +489,8 @@ int main(void)
                                        cmocka_unit_test(reload_may_fail_or_be_missing),
                                        cmocka_unit_test(globals_are_handed_to_new_code),
                                        cmocka_unit_test(what_is_saved_is_soon_seen),
+                                       cmocka_unit_test(what_is_saved_in_large_games_is_soon_seen),
+                                       cmocka_unit_test(what_both_games_have_is_there_once),
                                        cmocka_unit_test(f5_and_f6_go_through_time),
                                        cmocka_unit_test(new_code_goes_back_too),
                                        cmocka_unit_test(time_that_is_held_is_scrubbed_and_stepped),

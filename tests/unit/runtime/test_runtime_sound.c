@@ -2,7 +2,7 @@
  * forms, what the camera hears, and sound files, whole and broken. */
 #include "game/ear.h"
 #include "platform/audio.h"
-#include "sound/synth.h"
+#include "sound/cache.h"
 #include "sound/tape.h"
 
 #include <setjmp.h>
@@ -217,6 +217,48 @@ static void what_is_too_loud_is_bent_and_not_wrapped(void **unused)
         if (abs(s->samples[i]) > 1000) assert_true(out[2 * i] * s->samples[i] > 0 && abs(out[2 * i]) > 24000);
     sound_release(s);
     mixer_free(&m);
+}
+
+/* ---- sounds that are in memory ---- */
+
+static bool is_found(sound_cache *cache, sound_key key, const sound *wanted)
+{
+    sound *found = sound_cache_find(cache, key);
+    const bool same = found == wanted;
+    sound_release(found);
+    return same;
+}
+
+/* A sound is there as long as somebody holds it, and not for others: each number counts. */
+static void sounds_are_found_while_they_are_held(void **unused)
+{
+    (void)unused;
+    sound_cache *cache = sound_cache_open(NULL);
+    synth_def defs[14];
+    sound *made[14];
+    for (int i = 0; i < 14; i++) defs[i] = synth_default();
+    defs[1].wave = SYNTH_SAW, defs[2].pitch = 441, defs[3].slide = 441, defs[4].attack = 0.006, defs[5].hold = 0.1;
+    defs[6].decay = 0.31, defs[7].vibrato = 1, defs[8].vibrato_rate = 7, defs[9].duty = 0.4, defs[10].cut = 800;
+    defs[11].volume = 0.5, defs[12].notes = "a4", defs[13].notes = "a4", defs[13].beat = 0.26;
+    for (int i = 0; i < 14; i++) {
+        assert_null(sound_cache_find(cache, sound_key_of_synth(&defs[i])));
+        assert_non_null(made[i] = synth_make(engine, NULL, &defs[i], &error));
+        sound_cache_add(cache, sound_key_of_synth(&defs[i]), made[i]);
+    }
+    for (int i = 0; i < 14; i++) assert_true(is_found(cache, sound_key_of_synth(&defs[i]), made[i]));
+    for (int k = 0; k < 14; k++) { /* in another order */
+        const int i = k * 5 % 14;
+        sound_hold(made[i]);
+        sound_release(made[i]);
+        assert_true(is_found(cache, sound_key_of_synth(&defs[i]), made[i]));
+        sound_release(made[i]);
+        assert_null(sound_cache_find(cache, sound_key_of_synth(&defs[i])));
+    }
+    assert_true(sound_key_of_file("ab", 2).hash != sound_key_of_file("ac", 2).hash);
+    assert_null(sound_cache_find(NULL, sound_key_of_file("ab", 2)));
+    sound_cache_hold(cache);
+    sound_cache_release(cache);
+    sound_cache_release(cache);
 }
 
 /* ---- the synthesiser ---- */
@@ -498,6 +540,7 @@ int main(void)
                                        cmocka_unit_test(voices_end_alike_when_nobody_listens),
                                        cmocka_unit_test(changes_do_not_click),
                                        cmocka_unit_test(what_is_too_loud_is_bent_and_not_wrapped),
+                                       cmocka_unit_test(sounds_are_found_while_they_are_held),
                                        cmocka_unit_test(waves_have_their_pitch),
                                        cmocka_unit_test(notes_are_those_of_the_scale),
                                        cmocka_unit_test(tunes_fit_into_a_loop),

@@ -193,6 +193,65 @@ static void memory_stays_flat(void **unused)
     assert_true(daft_engine_memory(engine).peak < after_some + 1000000);
 }
 
+static uint64_t draw(daft_scene *what)
+{
+    daft_error error;
+    daft_image *image = daft_image_create(engine, 64, 36, &error);
+    daft_view view = daft_default_view();
+    view.camera.position = (daft_dvec3){-3, 0, 0};
+    if (!daft_render(what, &view, image, &error)) fail_msg("%s", error.message);
+    const uint64_t hash = daft_hash(daft_image_pixels(image), 4 * 64 * 36, 0);
+    daft_image_destroy(image);
+    return hash;
+}
+
+static void fill(daft_scene *what, const char *picture)
+{
+    daft_error error;
+    daft_entity_def def = daft_default_entity_def();
+    daft_material_def look = daft_default_material_def();
+    look.diffuse = look.ambient = (daft_vec3){1, 1, 1};
+    look.diffuse_map = daft_texture_load(what, picture, &error);
+    def.shape = DAFT_SHAPE_BOX, def.size = (daft_vec3){1, 1, 1};
+    def.material = daft_material_create(what, &look, &error);
+    if (!look.diffuse_map.id || !daft_entity_create(what, &def, &error).id) fail_msg("%s", error.message);
+    if (!daft_scene_set_sky_image(what, picture, &error)) fail_msg("%s", error.message);
+    daft_scene_set_ambient(what, (daft_vec3){1, 1, 1});
+}
+
+/* Two scenes of an engine read a picture once; it stays while one of them does. */
+static void scenes_share_pictures(void **unused)
+{
+    (void)unused;
+    daft_error error;
+    daft_image *picture = daft_image_create(engine, 512, 256, &error);
+    for (int i = 0; i < 4 * 512 * 256; i++) daft_image_pixels(picture)[i] = (uint8_t)(i % 4 == 3 ? 255 : i * i % 251);
+    assert_true(daft_image_write(picture, test_path("shared.png"), &error));
+    daft_image_destroy(picture);
+    const uint64_t empty = daft_engine_memory(engine).used;
+    fill(scene, test_path("shared.png"));
+    const uint64_t one = daft_engine_memory(engine).used - empty, hash = draw(scene);
+    daft_scene *other = daft_scene_create(engine, &error);
+    const uint64_t before = daft_engine_memory(engine).used;
+    fill(other, test_path("shared.png"));
+    const uint64_t two = daft_engine_memory(engine).used - before;
+    assert_true(one > 2000000); /* 0.7 MB of texels, 1.6 MB of sky */
+    if (two > 100000) fail_msg("%llu bytes", (unsigned long long)two);
+    assert_true(draw(other) == hash);
+    daft_scene_destroy(scene);
+    scene = other;
+    assert_true(draw(other) == hash);
+    /* What is saved under the same name is another picture. */
+    picture = daft_image_create(engine, 512, 256, &error);
+    assert_true(daft_image_write(picture, test_path("shared.png"), &error));
+    daft_image_destroy(picture);
+    daft_scene *third = daft_scene_create(engine, &error);
+    fill(third, test_path("shared.png"));
+    assert_true(draw(third) != hash);
+    assert_true(draw(other) == hash);
+    daft_scene_destroy(third);
+}
+
 #define TEST(name) cmocka_unit_test_setup_teardown(name, make_scene, destroy_scene)
 
 int main(void)
@@ -200,6 +259,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         TEST(what_is_held_or_used_stays), TEST(bodies_use_meshes),          TEST(handles_are_stale_for_ever),
         TEST(files_are_loaded_again),     TEST(frames_keep_what_they_read), TEST(memory_stays_flat),
+        TEST(scenes_share_pictures),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
