@@ -309,6 +309,48 @@ local voice = {}
 ---@field loop? boolean Begins anew at its end, or stays there; true unless given
 ---@field restart? boolean A clip that plays already begins anew; else it goes on, with this speed; false unless given
 
+---@class daft.sound.options
+---@field wave? "sine"|"triangle"|"saw"|"square"|"noise" From soft to harsh; "sine" unless given
+---@field pitch? number At the beginning of the sound (number, Hz, 10 to 20000); 440 unless given
+---@field slide? number At its end; where only the pitch is given, the same (number, Hz, 10 to 20000); 440 unless given
+---@field attack? number In which it rises (number, s, 0.001 to 10); 0.005 unless given
+---@field hold? number In which it stays (number, s, 0 to 10); 0 unless given
+---@field decay? number In which it falls to nothing (number, s, 0.001 to 10); 0.3 unless given
+---@field vibrato? number By which the pitch sways, up and down (number, semitones, 0 to 24); 0 unless given
+---@field vibrato_rate? number How often it does (number, Hz, 0.1 to 50); 6 unless given
+---@field duty? number Part of a square wave that is high: thin or full (number, 0.05 to 0.95); 0.5 unless given
+---@field cut? number Above which it is softened; 0: not at all (number, Hz, 0 to 20000); 0 unless given
+---@field volume? number How loud it is (number, 0 to 1); 0.6 unless given
+---@field beat? number From one note to the next (number, s, 0.01 to 10); 0.25 unless given
+---@field notes? string A tune of such sounds, one each beat: "c4 e4 g#4 - bb4", - for a rest; it repeats without a gap
+
+---@class daft.sound.play.options
+---@field volume? number How loud, to the sound's own (number, 0 to 4); 1 unless given
+---@field pitch? number How many times as fast (number, 0.0625 to 16); 1 unless given
+---@field pan? number -1: left; 1: right (number, -1 to 1); 0 unless given
+---@field loop? boolean Over and over, without a gap; false unless given
+---@field near? number Up to which it is as loud as it is (number, m, 0.01 to 1e+06); 3 unless given
+---@field far? number From which on it is silent, more than near; where only that is given, at least twice as much (number, m, 0.02 to 2e+06); 100 unless given
+---@field fade? number In which it rises (number, s, 0 to 60); 0 unless given
+---@field group? string Whose volume daft.volume sets
+---@field at? daft.vector|daft.entity Where it is, or the entity that carries it; without, it is everywhere
+
+---@class daft.particles.options
+---@field count? number The most at once (number, 1 to 50000); 1000 unless given
+---@field material? daft.anymaterial What they look like; sparks and flames have an emission
+---@field area? number Radius around their place in which they begin (number, m, 0 to 10000); 0 unless given
+---@field direction? daft.vector Where they fly; {0, 1, 0} unless given
+---@field spread? number The angle around it within which they do; pi: everywhere (number, rad, 0 to 3.14159); 0.5 unless given
+---@field gravity? daft.vector What pulls them; {0, 0, 0} unless given
+---@field drag? number The fraction of its speed that one loses in a second, where it is small (number, 1/s, 0 to 1000); 0 unless given
+---@field rate? number How many begin in a second (number, 1/s, 0 to 3e+06); 0 unless given
+---@field shape? "round"|"quad" Octagons, or squares with a texture's whole picture; "round" unless given
+---@field position? daft.vector|daft.entity Where they begin: a place, or an entity that carries the system; {0, 0, 0} unless given
+---@field speed? number|number[] Of each, chosen between the two; 1 unless given
+---@field life? number|number[] Of each, chosen between the two; 1 unless given
+---@field size? number|number[] The radius, from the beginning to the end of a life; 0.05 unless given
+---@field seed? integer Of its sequence of random numbers; 0 unless given
+
 ---Makes an entity: at most one of mesh, sphere and box is drawn, and a body is simulated.
 ---@param options daft.entity.options
 ---@return daft.entity
@@ -1158,11 +1200,8 @@ function stream:seed(seed) end
 ---@return number
 function daft.noise(x, y, z, w) end
 
----Many small things that fly and are only seen: no ray and no body meets them. count = 1000: the most at once;
----material; position: a place, or an entity that carries it; direction = {0, 1, 0}, spread = 0.5 radians around it;
----area = 0: radius in which they begin; speed, life, size (radius): a number, or {from, to}; gravity = {0, 0, 0};
----drag = 0; rate = 0 a second; shape = "round" or "quad"; seed.
----@param options table
+---Many small things that fly and are only seen: no ray and no body meets them.
+---@param options daft.particles.options
 ---@return daft.particles
 function daft.particles(options) end
 
@@ -1283,20 +1322,14 @@ function daft.save(name, value) end
 ---@return string|nil
 function daft.load_saved(name) end
 
----A sound from a WAV, OGG, FLAC or MP3 file, at most ten minutes long; or made of numbers: wave ("sine",
----"triangle", "saw", "square", "noise"), pitch and slide (Hz at the beginning and at the end: 440), attack,
----hold and decay (seconds in which it rises, stays and falls: 0.005, 0, 0.3), vibrato (semitones: 0) and
----vibrato_rate (6 a second), duty (of a square: 0.5), cut (Hz, above which it is softer: none), volume (0.6).
----notes = "c4 e4 g4 -" plays a tune of such sounds, one each beat (0.25 s), - for a rest.
----@param file string|table
+---A sound from a WAV, OGG, FLAC or MP3 file, at most ten minutes long; or made of numbers.
+---@param file string|daft.sound.options
 ---@return daft.sound
 function daft.sound(file) end
 
----Plays it. volume (0 to 4: 1), pitch (how many times as fast: 1), pan (-1 left, 1 right: 0), loop, group (a
----name), fade (seconds in which it rises). at: a place or an entity, which carries it; it is as loud as it is
----up to near (3 m), silent from far on (100 m), and muffled by bodies between it and the camera. 64 voices
----play at once; where one more begins, the one that is nearest its end goes.
----@param options? table
+---Plays it. What is at a place is muffled by bodies between it and the camera. 64 voices play at once; where one
+---more begins, the one that is nearest its end goes.
+---@param options? daft.sound.play.options
 ---@return daft.voice
 function sound:play(options) end
 

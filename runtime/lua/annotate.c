@@ -114,12 +114,17 @@ static const word_type RESULTS[] = {
     {"thread", " task "},
     {"nil", " nil "}};
 
-static const word_type VALUES[] = {
-    {"number", " number "},      {"integer", " whole "},
-    {"boolean", " true false "}, {"daft.vector", " {x, "},
-    {"daft.color", " colour "},  {"daft.anymaterial", " material "},
-    {"daft.entity", " entity "}, {"daft.mesh", " mesh "},
-    {"string", " string name "}, {"table", " list table {radius {speed {hertz {lower, {yaw, {u, names "}};
+static const word_type VALUES[] = {{"number", " number "},
+                                   {"integer", " whole "},
+                                   {"boolean", " true false "},
+                                   {"daft.vector", " {x, "},
+                                   {"daft.color", " colour "},
+                                   {"daft.anymaterial", " material "},
+                                   {"daft.entity", " entity "},
+                                   {"daft.mesh", " mesh "},
+                                   {"string", " string name "},
+                                   {"number[]", " {from, "},
+                                   {"table", " list table {radius {speed {hertz {lower, {yaw, {u, names "}};
 
 static const char *type_of(const char *word, const word_type *types, size_t count)
 {

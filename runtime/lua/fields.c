@@ -12,6 +12,21 @@ enum { MAX_NAMES = 64 };
 
 /* ---- which names ---- */
 
+static const api_list *list_of(const api_form *form)
+{
+    if (form == &api_synth_form) return &api_synth_list;
+    if (form == &api_voice_form) return &api_voice_list;
+    return form == &api_particles_form ? &api_particles_list : NULL;
+}
+
+static const daft_field *fields_of(const api_form *form, uint32_t *count)
+{
+    const api_list *own = list_of(form);
+    if (!own) return daft_fields(form->which, count);
+    *count = own->count;
+    return own->fields;
+}
+
 static const api_special *special_of(const api_form *form, const char *name)
 {
     for (size_t i = 0; i < form->special_count; i++)
@@ -28,7 +43,7 @@ static bool has_field(const api_form *form, const daft_field *field)
 static size_t names_of(const api_form *form, const char *names[MAX_NAMES])
 {
     uint32_t count;
-    const daft_field *fields = daft_fields(form->which, &count);
+    const daft_field *fields = fields_of(form, &count);
     size_t used = 0;
     for (uint32_t i = 0; i < count; i++)
         if (has_field(form, &fields[i])) names[used++] = fields[i].lua;
@@ -94,17 +109,23 @@ static uint32_t read_whole(lua_State *L, host *h, const daft_field *field)
 }
 
 /* What is out of range is told by its name in Lua, in the words of libdaft. */
-static void check_range(lua_State *L, host *h, const daft_field *field, const float *values, uint32_t count)
+static void check_range(lua_State *L, host *h, const daft_field *field, const double *values, uint32_t count)
 {
     char range[128];
     bool any = field->min == 0 && field->max == 0;
     for (uint32_t i = 0; i < count && !any; i++) {
-        double value = (double)values[i];
+        const double value = values[i];
         if (value >= field->min && value <= field->max) continue;
         const char *part = count == 1 ? "" : i == 0 ? ".x" : i == 1 ? ".y" : ".z";
         daft_field_range(field, range, sizeof range);
         api_error(L, h, "%s%s is %g; it must be %s", field->lua, part, value, range);
     }
+}
+
+static void check_floats(lua_State *L, host *h, const daft_field *field, const float *values, uint32_t count)
+{
+    const double wide[3] = {(double)values[0], (double)values[1], (double)values[2]};
+    check_range(L, h, field, wide, count);
 }
 
 /* The value on top of the stack. */
@@ -123,18 +144,24 @@ static void read_field(lua_State *L, host *h, const daft_field *field, char *out
     case DAFT_FIELD_BOOL: v.on = api_boolean(L, h, -1, what); break;
     case DAFT_FIELD_CHOICE: v.whole = read_choice(L, h, field); break;
     case DAFT_FIELD_INT:
-    case DAFT_FIELD_UINT: v.whole = read_whole(L, h, field); break;
+    case DAFT_FIELD_UINT:
+        v.whole = read_whole(L, h, field);
+        check_range(L, h, field, &(double){v.whole}, 1);
+        break;
     case DAFT_FIELD_FLOAT:
         v.numbers[0] = api_float(L, h, -1, what);
-        check_range(L, h, field, v.numbers, 1);
+        check_floats(L, h, field, v.numbers, 1);
         break;
-    case DAFT_FIELD_DOUBLE: v.twice = api_number(L, h, -1, what); break;
+    case DAFT_FIELD_DOUBLE:
+        v.twice = api_number(L, h, -1, what);
+        check_range(L, h, field, &v.twice, 1);
+        break;
     case DAFT_FIELD_VEC2:
     case DAFT_FIELD_VEC3:
     case DAFT_FIELD_COLOR:
     case DAFT_FIELD_DIRECTION:
         read_vector(L, h, field, v.numbers);
-        check_range(L, h, field, v.numbers, size_of_vector(field->type));
+        check_floats(L, h, field, v.numbers, size_of_vector(field->type));
         break;
     case DAFT_FIELD_POSITION: v.place = read_position(L, h, what); break;
     case DAFT_FIELD_ROTATION: v.turn = api_rotation(L, h, -1, what); break;
@@ -151,7 +178,7 @@ void api_read_struct(lua_State *L, host *h, int table, const char *what, const a
 {
     const char *names[MAX_NAMES];
     uint32_t count;
-    const daft_field *fields = daft_fields(form->which, &count);
+    const daft_field *fields = fields_of(form, &count);
     table = lua_absindex(L, table);
     api_fields(L, h, table, what, names, names_of(form, names));
     luaL_checkstack(L, MAX_NAMES + 16, NULL);
@@ -226,7 +253,7 @@ static const api_form *const FORMS[] = {
     &api_entity_form,  &api_collider_form, &api_joint_form,    &api_surfaces_form, &api_character_form,
     &api_filter_form,  &api_picture_form,  &api_material_form, &api_sun_form,      &api_point_form,
     &api_spot_form,    &api_fog_form,      &api_exposure_form, &api_camera_form,   &api_checkpoint_form,
-    &api_quality_form, &api_play_form};
+    &api_quality_form, &api_play_form,     &api_synth_form,    &api_voice_form,    &api_particles_form};
 
 const api_form *const *api_forms(size_t *count)
 {
@@ -298,7 +325,7 @@ static void initial_text(const daft_field *field, const char *value, char *out, 
 static const daft_field *field_named(const api_form *form, const char *name)
 {
     uint32_t count;
-    const daft_field *fields = daft_fields(form->which, &count);
+    const daft_field *fields = fields_of(form, &count);
     for (uint32_t i = 0; i < count; i++)
         if (has_field(form, &fields[i]) && strcmp(fields[i].lua, name) == 0) return &fields[i];
     return NULL;
@@ -313,7 +340,10 @@ void api_describe_form(const api_form *form,
     size_t count = names_of(form, names);
     _Alignas(16) char defaults[2048];
     if (daft_struct_size(form->which) > sizeof defaults) return;
-    daft_struct_default(form->which, defaults);
+    if (list_of(form))
+        list_of(form)->set_default(defaults);
+    else
+        daft_struct_default(form->which, defaults);
     for (size_t i = 0; i < count; i++) {
         const daft_field *field = field_named(form, names[i]);
         const api_special *special = special_of(form, names[i]);

@@ -5,6 +5,8 @@
 
 #include "lua/api.h"
 
+#include <stddef.h>
+
 /* `table` is the whole table's place on the stack. A reader finds the value on top of it; what `out` then points to
  * stays there. */
 typedef void api_reader(lua_State *L, host *h, int table, void *out);
@@ -18,12 +20,25 @@ typedef struct api_special {
     const char *doc;   /* NULL: the field's */
 } api_special;
 
+/* The fields of a struct that daft.h does not have: fields.c says which form has them. */
+typedef struct api_list {
+    const daft_field *fields;
+    uint32_t count;
+    void (*set_default)(void *out);
+} api_list;
+
+#define API_ROW(struct_type, member, label, kind, ...)                                                                 \
+    {                                                                                                                  \
+        .name = label, .type = kind, .offset = offsetof(struct_type, member),                                          \
+        .size = sizeof(((struct_type *)0)->member), .lua = label, __VA_ARGS__                                          \
+    }
+
 /* What a table of Lua may have: the fields of a struct that have Lua names, and what is special. */
 typedef struct api_form {
     const char *function; /* that takes it: "light.sun" */
     const char *title;    /* "daft.light.sun"; of a table within another what it is: "collider" */
-    daft_struct which;
-    int kind; /* only the fields that this kind of the struct uses; -1: all */
+    daft_struct which;    /* DAFT_STRUCT_COUNT: the fields are an api_list */
+    int kind;             /* only the fields that this kind of the struct uses; -1: all */
     const api_special *specials;
     size_t special_count;
 } api_form;
@@ -45,6 +60,8 @@ void api_describe_form(const api_form *form,
 
 extern const api_form api_entity_form, api_collider_form, api_material_form, api_sun_form, api_point_form,
     api_spot_form, api_fog_form, api_exposure_form, api_camera_form, api_joint_form, api_surfaces_form,
-    api_character_form, api_filter_form, api_picture_form, api_checkpoint_form, api_quality_form, api_play_form;
+    api_character_form, api_filter_form, api_picture_form, api_checkpoint_form, api_quality_form, api_play_form,
+    api_synth_form, api_voice_form, api_particles_form;
+extern const api_list api_synth_list, api_voice_list, api_particles_list;
 
 #endif

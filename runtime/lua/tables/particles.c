@@ -5,7 +5,7 @@
  * A system is a mesh of quads or octagons that face the camera. The simulation of a tick moves points; only a picture
  * that is drawn turns them into triangles, at its own moment between two ticks, and shows the entity that has the mesh
  * while it is drawn. Positions are floats relative to where the system was made. */
-#include "lua/api.h"
+#include "lua/fields.h"
 
 #include "common/util.h"
 
@@ -388,30 +388,51 @@ static float read_limited(lua_State *L, host *h, const char *name, float low, fl
     return value;
 }
 
-static float read_number(lua_State *L, host *h, const char *name, float usual, float low, float high)
-{
-    if (!api_field(L, 1, name)) return usual;
-    const float value = read_limited(L, h, name, low, high);
-    lua_pop(L, 1);
-    return value;
-}
+/* What daft.particles is told. */
+typedef struct particles_wish {
+    uint32_t count, shape; /* shape: 0 round, 1 quad */
+    daft_material material;
+    daft_dvec3 place;
+    daft_entity carrier;
+    daft_vec3 direction, gravity;
+    range life, speed, size;
+    float spread, area, drag, rate;
+    lua_Integer seed;
+} particles_wish;
 
 /* A number, or {low, high}. */
-static range read_range(lua_State *L, host *h, const char *name, range usual, float low)
+static range read_range(lua_State *L, host *h, const char *name, float low)
 {
-    if (!api_field(L, 1, name)) return usual;
+    range r;
     if (lua_type(L, -1) == LUA_TNUMBER) {
-        usual.low = usual.high = read_limited(L, h, name, low, LONGEST);
-    } else {
-        if (!lua_istable(L, -1) || lua_rawlen(L, -1) != 2) api_wrong(L, h, -1, name, "number or {from, to}");
-        for (int i = 0; i < 2; i++) {
-            lua_rawgeti(L, -1, i + 1);
-            *(i ? &usual.high : &usual.low) = read_limited(L, h, name, low, LONGEST);
-            lua_pop(L, 1);
-        }
+        r.low = r.high = read_limited(L, h, name, low, LONGEST);
+        return r;
     }
-    lua_pop(L, 1);
-    return usual;
+    if (!lua_istable(L, -1) || lua_rawlen(L, -1) != 2) api_wrong(L, h, -1, name, "number or {from, to}");
+    for (int i = 0; i < 2; i++) {
+        lua_rawgeti(L, -1, i + 1);
+        *(i ? &r.high : &r.low) = read_limited(L, h, name, low, LONGEST);
+        lua_pop(L, 1);
+    }
+    return r;
+}
+
+static void read_life(lua_State *L, host *h, int table, void *out)
+{
+    (void)table;
+    ((particles_wish *)out)->life = read_range(L, h, "life", 1e-3f);
+}
+
+static void read_speed(lua_State *L, host *h, int table, void *out)
+{
+    (void)table;
+    ((particles_wish *)out)->speed = read_range(L, h, "speed", 0);
+}
+
+static void read_size(lua_State *L, host *h, int table, void *out)
+{
+    (void)table;
+    ((particles_wish *)out)->size = read_range(L, h, "size", 0);
 }
 
 static daft_vec3 unit(lua_State *L, host *h, daft_vec3 v)
@@ -421,60 +442,94 @@ static daft_vec3 unit(lua_State *L, host *h, daft_vec3 v)
     return (daft_vec3){(float)((double)v.x / length), (float)((double)v.y / length), (float)((double)v.z / length)};
 }
 
-/* The place at `index`; an entity there carries the system. */
-static void set_place(lua_State *L, host *h, particle_system *s, int index)
+/* The place at `index`; an entity there carries what begins. */
+static void read_place(lua_State *L, host *h, int index, daft_dvec3 *place, daft_entity *carrier)
 {
-    const api_handle *carrier = api_test_handle(L, index, API_ENTITY);
-    s->place = api_place(L, h, index, "position");
-    s->carrier.id = carrier ? carrier->id : 0;
+    const api_handle *at = api_test_handle(L, index, API_ENTITY);
+    *place = api_place(L, h, index, "position");
+    carrier->id = at ? at->id : 0;
 }
 
-static void read_system(lua_State *L, host *h, particle_system *s)
+static void read_position(lua_State *L, host *h, int table, void *out)
 {
-    s->life = read_range(L, h, "life", (range){1, 1}, 1e-3f);
-    s->speed = read_range(L, h, "speed", (range){1, 1}, 0);
-    s->size = read_range(L, h, "size", (range){0.05f, 0.05f}, 0);
-    s->spread = read_number(L, h, "spread", 0.5f, 0, 3.1415927f);
-    s->area = read_number(L, h, "area", 0, 0, LONGEST);
-    s->drag = read_number(L, h, "drag", 0, 0, 1000);
-    s->rate = read_number(L, h, "rate", 0, 0, MOST * 60.0f);
-    s->direction = (daft_vec3){0, 1, 0};
-    if (api_field(L, 1, "direction")) s->direction = unit(L, h, api_vec3(L, h, -1, "direction"));
-    if (api_field(L, 1, "gravity")) s->gravity = api_vec3(L, h, -1, "gravity");
-    if (api_field(L, 1, "position")) set_place(L, h, s, lua_gettop(L));
-    s->origin = s->place;
+    (void)table;
+    read_place(L, h, lua_gettop(L), &((particles_wish *)out)->place, &((particles_wish *)out)->carrier);
 }
+
+static void read_direction(lua_State *L, host *h, int table, void *out)
+{
+    (void)table;
+    ((particles_wish *)out)->direction = unit(L, h, api_vec3(L, h, -1, "direction"));
+}
+
+static void read_seed(lua_State *L, host *h, int table, void *out)
+{
+    (void)table;
+    ((particles_wish *)out)->seed = api_whole(L, h, -1, "seed");
+}
+
+static void set_default(void *out)
+{
+    const particles_wish wish = {
+        .count = 1000, .direction = {0, 1, 0}, .life = {1, 1}, .speed = {1, 1}, .size = {0.05f, 0.05f}, .spread = 0.5f};
+    memcpy(out, &wish, sizeof wish);
+}
+
+static const char *const SHAPES[] = {"round", "quad"};
+
+#define ROW(member, kind, ...) API_ROW(particles_wish, member, #member, kind, __VA_ARGS__)
+
+static const daft_field ROWS[] = {
+    ROW(count, DAFT_FIELD_UINT, .min = 1, .max = MOST, .doc = "The most at once"),
+    ROW(material, DAFT_FIELD_MATERIAL, .doc = "What they look like; sparks and flames have an emission"),
+    ROW(area, DAFT_FIELD_FLOAT, .unit = "m", .max = 1e4, .doc = "Radius around their place in which they begin"),
+    ROW(direction, DAFT_FIELD_DIRECTION, .doc = "Where they fly"),
+    ROW(spread, DAFT_FIELD_FLOAT, .unit = "rad", .max = (double)3.1415927f,
+        .doc = "The angle around it within which they do; pi: everywhere"),
+    ROW(gravity, DAFT_FIELD_VEC3, .unit = "m/s²", .doc = "What pulls them"),
+    ROW(drag, DAFT_FIELD_FLOAT, .unit = "1/s", .max = 1000,
+        .doc = "The fraction of its speed that one loses in a second, where it is small"),
+    ROW(rate, DAFT_FIELD_FLOAT, .unit = "1/s", .max = MOST * 60.0, .doc = "How many begin in a second"),
+    ROW(shape, DAFT_FIELD_CHOICE, .choices = SHAPES, .choice_count = COUNT_OF(SHAPES),
+        .doc = "Octagons, or squares with a texture's whole picture"),
+};
+const api_list api_particles_list = {ROWS, COUNT_OF(ROWS), set_default};
+static const api_special SPECIALS[] = {
+    {.name = "direction", .read = read_direction},
+    {"position", read_position, NULL, "{x, y, z} or entity, m",
+     "Where they begin: a place, or an entity that carries the system; {0, 0, 0} unless given"},
+    {"speed", read_speed, NULL, "number or {from, to}, m/s", "Of each, chosen between the two; 1 unless given"},
+    {"life", read_life, NULL, "number or {from, to}, s", "Of each, chosen between the two; 1 unless given"},
+    {"size", read_size, NULL, "number or {from, to}, m",
+     "The radius, from the beginning to the end of a life; 0.05 unless given"},
+    {"seed", read_seed, NULL, "whole number", "Of its sequence of random numbers; 0 unless given"}};
+const api_form api_particles_form = {"particles", "daft.particles", DAFT_STRUCT_COUNT,
+                                     -1,          SPECIALS,         COUNT_OF(SPECIALS)};
 
 static int create(lua_State *L, host *h)
 {
-    static const char *const FIELDS[] = {"count", "material", "position", "direction", "spread", "area",  "speed",
-                                         "life",  "size",     "gravity",  "drag",      "rate",   "shape", "seed"};
-    static const char *const SHAPES[] = {"round", "quad"};
-    api_fields(L, h, 1, NULL, FIELDS, COUNT_OF(FIELDS));
+    particles_wish wish;
+    set_default(&wish);
     lua_settop(L, 1);
     particle_system *s = lua_newuserdatauv(L, sizeof *s, 0);
     memset(s, 0, sizeof *s);
     api_set_type(L, API_PARTICLES);
-    lua_Integer count = 1000, seed = 0;
-    size_t shape = 0;
-    daft_material material = {0};
-    if (api_field(L, 1, "count")) count = api_whole(L, h, -1, "count");
-    if (count < 1 || count > MOST) api_error(L, h, "count: 1 to %d expected, got %lld", (int)MOST, (long long)count);
-    if (h->particle_count + (uint64_t)count > MOST_OF_ALL)
+    api_read_struct(L, h, 1, NULL, &api_particles_form, &wish);
+    if (h->particle_count + (uint64_t)wish.count > MOST_OF_ALL)
         api_error(L, h, "count: all systems together have at most %d particles", (int)MOST_OF_ALL);
-    if (api_field(L, 1, "shape")) shape = api_choice(L, h, -1, "shape", SHAPES, COUNT_OF(SHAPES));
-    if (api_field(L, 1, "seed")) seed = (lua_Integer)api_whole(L, h, -1, "seed");
-    read_system(L, h, s);
-    if (api_field(L, 1, "material")) material = api_material_at(L, h, -1, "material");
-    random_seed(&s->random, (uint64_t)seed);
+    s->life = wish.life, s->speed = wish.speed, s->size = wish.size;
+    s->spread = wish.spread, s->area = wish.area, s->drag = wish.drag, s->rate = wish.rate;
+    s->direction = wish.direction, s->gravity = wish.gravity;
+    s->place = s->origin = wish.place, s->carrier = wish.carrier;
+    random_seed(&s->random, (uint64_t)wish.seed);
     s->handle.id = ++h->systems;
     s->h = h, s->next = h->particles, h->particles = s;
     daft_error error = {0};
-    if (!allocate(s, (uint32_t)count, shape == 0 ? ROUND : QUAD)) {
+    if (!allocate(s, wish.count, wish.shape == 0 ? ROUND : QUAD)) {
         forget(s);
         api_error(L, h, "not enough memory");
     }
-    if (!make_mesh(s, &error) || !make_entity(s, material, &error)) {
+    if (!make_mesh(s, &error) || !make_entity(s, wish.material, &error)) {
         forget(s);
         api_engine_error(L, h, &error);
     }
@@ -516,7 +571,8 @@ static int rate(lua_State *L, host *h)
 
 static int position(lua_State *L, host *h)
 {
-    set_place(L, h, system_at(L, h), 2);
+    particle_system *s = system_at(L, h);
+    read_place(L, h, 2, &s->place, &s->carrier);
     return 0;
 }
 
@@ -554,12 +610,7 @@ static int valid(lua_State *L, host *h)
 }
 
 static const api_function FUNCTIONS[] = {
-    {"particles", "{...} -> particles",
-     "Many small things that fly and are only seen: no ray and no body meets them. count = 1000: the most at once;\n"
-     "material; position: a place, or an entity that carries it; direction = {0, 1, 0}, spread = 0.5 radians around "
-     "it;\n"
-     "area = 0: radius in which they begin; speed, life, size (radius): a number, or {from, to}; gravity = {0, 0, 0};\n"
-     "drag = 0; rate = 0 a second; shape = \"round\" or \"quad\"; seed.",
+    {"particles", "{...} -> particles", "Many small things that fly and are only seen: no ray and no body meets them.",
      create, API_CHANGES},
     {"particles:burst", "(count [, place])", "So many at once, as far as there is room.", burst, API_CHANGES},
     {"particles:rate", "([rate]) -> rate", "How many begin in a second.", rate, 0},

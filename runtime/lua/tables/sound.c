@@ -1,11 +1,10 @@
 /* daft.sound: sounds from files or from numbers, voices that play them, music, and volumes of groups. */
-#include "lua/api.h"
+#include "lua/fields.h"
 
 #include "common/util.h"
 #include "platform/audio.h"
 #include "sound/synth.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -72,27 +71,51 @@ static int from_file(lua_State *L, host *h)
     return made(h, s->what);
 }
 
+static void read_notes(lua_State *L, host *h, int table, void *out)
+{
+    (void)table;
+    ((synth_def *)out)->notes = api_text(L, h, -1, "notes"); /* the table holds it */
+}
+
+static void set_synth_default(void *out)
+{
+    const synth_def def = synth_default();
+    memcpy(out, &def, sizeof def);
+}
+
+static const char *const WAVES[SYNTH_WAVES] = {"sine", "triangle", "saw", "square", "noise"};
+
+#define NUMBER(member, low, high, ...)                                                                                 \
+    API_ROW(synth_def, member, #member, DAFT_FIELD_DOUBLE, .min = low, .max = high, __VA_ARGS__)
+
+static const daft_field SYNTH_FIELDS[] = {
+    API_ROW(synth_def, wave, "wave", DAFT_FIELD_CHOICE, .choices = WAVES, .choice_count = SYNTH_WAVES,
+            .doc = "From soft to harsh"),
+    NUMBER(pitch, 10, 20000, .unit = "Hz", .doc = "At the beginning of the sound"),
+    NUMBER(slide, 10, 20000, .unit = "Hz", .doc = "At its end; where only the pitch is given, the same"),
+    NUMBER(attack, 0.001, 10, .unit = "s", .doc = "In which it rises"),
+    NUMBER(hold, 0, 10, .unit = "s", .doc = "In which it stays"),
+    NUMBER(decay, 0.001, 10, .unit = "s", .doc = "In which it falls to nothing"),
+    NUMBER(vibrato, 0, 24, .unit = "semitones", .doc = "By which the pitch sways, up and down"),
+    NUMBER(vibrato_rate, 0.1, 50, .unit = "Hz", .doc = "How often it does"),
+    NUMBER(duty, 0.05, 0.95, .doc = "Part of a square wave that is high: thin or full"),
+    NUMBER(cut, 0, 20000, .unit = "Hz", .doc = "Above which it is softened; 0: not at all"),
+    NUMBER(volume, 0, 1, .doc = "How loud it is"),
+    NUMBER(beat, 0.01, 10, .unit = "s", .doc = "From one note to the next"),
+};
+const api_list api_synth_list = {SYNTH_FIELDS, COUNT_OF(SYNTH_FIELDS), set_synth_default};
+static const api_special SYNTH_SPECIALS[] = {
+    {"notes", read_notes, NULL, "string",
+     "A tune of such sounds, one each beat: \"c4 e4 g#4 - bb4\", - for a rest; it repeats without a gap"}};
+const api_form api_synth_form = {"sound", "daft.sound",   DAFT_STRUCT_COUNT,
+                                 -1,      SYNTH_SPECIALS, COUNT_OF(SYNTH_SPECIALS)};
+
 static int from_numbers(lua_State *L, host *h)
 {
-    static const char *const FIELDS[] = {"wave",    "pitch",        "slide", "attack", "hold",  "decay", "cut",
-                                         "vibrato", "vibrato_rate", "duty",  "volume", "notes", "beat"};
-    static const char *const WAVES[SYNTH_WAVES] = {"sine", "triangle", "saw", "square", "noise"};
     synth_def def = synth_default();
     lua_settop(L, 1);
-    api_fields(L, h, 1, NULL, FIELDS, COUNT_OF(FIELDS));
-    if (api_field(L, 1, "wave")) def.wave = (synth_wave)api_choice(L, h, -1, "wave", WAVES, SYNTH_WAVES);
-    def.pitch = number(L, h, 1, "pitch", def.pitch, 10, 20000);
-    def.slide = number(L, h, 1, "slide", def.pitch, 10, 20000);
-    def.attack = number(L, h, 1, "attack", def.attack, 0.001, 10);
-    def.hold = number(L, h, 1, "hold", def.hold, 0, 10);
-    def.decay = number(L, h, 1, "decay", def.decay, 0.001, 10);
-    def.vibrato = number(L, h, 1, "vibrato", def.vibrato, 0, 24);
-    def.vibrato_rate = number(L, h, 1, "vibrato_rate", def.vibrato_rate, 0.1, 50);
-    def.duty = number(L, h, 1, "duty", def.duty, 0.05, 0.95);
-    def.cut = number(L, h, 1, "cut", def.cut, 0, 20000);
-    def.volume = number(L, h, 1, "volume", def.volume, 0, 1);
-    def.beat = number(L, h, 1, "beat", def.beat, 0.01, 10);
-    if (api_field(L, 1, "notes")) def.notes = api_text(L, h, -1, "notes"); /* the table holds it */
+    api_read_struct(L, h, 1, NULL, &api_synth_form, &def);
+    if (!api_has_field(L, 1, "slide")) def.slide = def.pitch;
     daft_error error;
     sound_handle *s = push_sound(L, h);
     const sound_key key = sound_key_of_synth(&def);
@@ -146,33 +169,70 @@ static int push_voice(lua_State *L, const voice *v)
     return 1;
 }
 
-static void read_options(lua_State *L, host *h, voice *v)
+/* What sound:play is told. */
+typedef struct play_wish {
+    voice v;
+    double fade;
+} play_wish;
+
+static void read_voice_group(lua_State *L, host *h, int table, void *out)
 {
-    static const char *const FIELDS[] = {"volume", "pitch", "pan", "loop", "at", "near", "far", "group", "fade"};
-    api_fields(L, h, 2, "options", FIELDS, COUNT_OF(FIELDS));
-    v->volume = (float)number(L, h, 2, "volume", 1, 0, 4);
-    v->pitch = number(L, h, 2, "pitch", 1, 1.0 / 16, 16);
-    v->pan = (float)number(L, h, 2, "pan", 0, -1, 1);
-    v->near = (float)number(L, h, 2, "near", (double)v->near, 0.01, 1e6);
-    v->far = (float)number(L, h, 2, "far", fmax(100, 2 * (double)v->near), 0.02, 2e6);
+    (void)table;
+    ((play_wish *)out)->v.group = read_group(L, h, -1);
+}
+
+static void read_voice_place(lua_State *L, host *h, int table, void *out)
+{
+    (void)table;
+    read_place(L, h, -1, &((play_wish *)out)->v);
+}
+
+static void set_play_default(void *out)
+{
+    const play_wish wish = {.v = {.near = 3, .far = 100, .volume = 1, .pitch = 1, .fade = 1}};
+    memcpy(out, &wish, sizeof wish);
+}
+
+static const daft_field PLAY_FIELDS[] = {
+    API_ROW(play_wish, v.volume, "volume", DAFT_FIELD_FLOAT, .max = 4, .doc = "How loud, to the sound's own"),
+    API_ROW(play_wish, v.pitch, "pitch", DAFT_FIELD_DOUBLE, .min = 1.0 / 16, .max = 16,
+            .doc = "How many times as fast"),
+    API_ROW(play_wish, v.pan, "pan", DAFT_FIELD_FLOAT, .min = -1, .max = 1, .doc = "-1: left; 1: right"),
+    API_ROW(play_wish, v.loops, "loop", DAFT_FIELD_BOOL, .doc = "Over and over, without a gap"),
+    API_ROW(play_wish, v.near, "near", DAFT_FIELD_FLOAT, .unit = "m", .min = (double)0.01f, .max = 1e6,
+            .doc = "Up to which it is as loud as it is"),
+    API_ROW(play_wish, v.far, "far", DAFT_FIELD_FLOAT, .unit = "m", .min = (double)0.02f, .max = 2e6,
+            .doc = "From which on it is silent, more than near; where only that is given, at least twice as much"),
+    API_ROW(play_wish, fade, "fade", DAFT_FIELD_DOUBLE, .unit = "s", .max = 60, .doc = "In which it rises"),
+};
+const api_list api_voice_list = {PLAY_FIELDS, COUNT_OF(PLAY_FIELDS), set_play_default};
+static const api_special PLAY_SPECIALS[] = {
+    {"group", read_voice_group, NULL, "string", "Whose volume daft.volume sets"},
+    {"at", read_voice_place, NULL, "{x, y, z} or entity, m",
+     "Where it is, or the entity that carries it; without, it is everywhere"}};
+const api_form api_voice_form = {"sound:play", "sound:play",  DAFT_STRUCT_COUNT,
+                                 -1,           PLAY_SPECIALS, COUNT_OF(PLAY_SPECIALS)};
+
+static void read_options(lua_State *L, host *h, play_wish *wish)
+{
+    voice *v = &wish->v;
+    api_read_struct(L, h, 2, "options", &api_voice_form, wish);
+    if (!api_has_field(L, 2, "far")) v->far = (float)fmax(100, 2 * (double)v->near);
     if (!(v->far > v->near))
         api_error(L, h, "far: more than near, %g, expected, got %g", (double)v->near, (double)v->far);
-    const double fade = number(L, h, 2, "fade", 0, 0, 60);
-    if (fade > 1.0 / 60) v->fade = 0, v->fade_step = (float)(1 / (fade * 60));
-    if (api_field(L, 2, "loop")) v->loops = api_boolean(L, h, -1, "loop");
-    if (api_field(L, 2, "group")) v->group = read_group(L, h, -1);
-    if (api_field(L, 2, "at")) read_place(L, h, -1, v);
+    if (wish->fade > 1.0 / 60) v->fade = 0, v->fade_step = (float)(1 / (wish->fade * 60));
 }
 
 static int play(lua_State *L, host *h)
 {
     lua_settop(L, 2);
-    voice wish = {.near = 3, .far = 100, .volume = 1, .pitch = 1, .fade = 1};
+    play_wish wish;
+    set_play_default(&wish);
     sound *what = check_sound(L, h, 1);
     if (!lua_isnil(L, 2)) read_options(L, h, &wish);
     voice *v = mixer_play(&h->mixer, what);
-    wish.id = v->id, wish.what = v->what, wish.gain = v->gain;
-    *v = wish;
+    wish.v.id = v->id, wish.v.what = v->what, wish.v.gain = v->gain;
+    *v = wish.v;
     return push_voice(L, v);
 }
 
@@ -278,18 +338,10 @@ static int group_volume(lua_State *L, host *h)
 
 static const api_function FUNCTIONS[] = {
     {"sound", "(file) or {...} -> sound",
-     "A sound from a WAV, OGG, FLAC or MP3 file, at most ten minutes long; or made of numbers: wave (\"sine\",\n"
-     "\"triangle\", \"saw\", \"square\", \"noise\"), pitch and slide (Hz at the beginning and at the end: 440), "
-     "attack,\n"
-     "hold and decay (seconds in which it rises, stays and falls: 0.005, 0, 0.3), vibrato (semitones: 0) and\n"
-     "vibrato_rate (6 a second), duty (of a square: 0.5), cut (Hz, above which it is softer: none), volume (0.6).\n"
-     "notes = \"c4 e4 g4 -\" plays a tune of such sounds, one each beat (0.25 s), - for a rest.",
-     make, API_CHANGES},
+     "A sound from a WAV, OGG, FLAC or MP3 file, at most ten minutes long; or made of numbers.", make, API_CHANGES},
     {"sound:play", "([{...}]) -> voice",
-     "Plays it. volume (0 to 4: 1), pitch (how many times as fast: 1), pan (-1 left, 1 right: 0), loop, group (a\n"
-     "name), fade (seconds in which it rises). at: a place or an entity, which carries it; it is as loud as it is\n"
-     "up to near (3 m), silent from far on (100 m), and muffled by bodies between it and the camera. 64 voices\n"
-     "play at once; where one more begins, the one that is nearest its end goes.",
+     "Plays it. What is at a place is muffled by bodies between it and the camera. 64 voices play at once; where one\n"
+     "more begins, the one that is nearest its end goes.",
      play, API_CHANGES},
     {"sound:seconds", "() -> s", "How long it is.", seconds, 0},
     {"voice:stop", "([seconds])", "Fades it out.", stop, API_CHANGES},

@@ -114,12 +114,12 @@ static void mistakes_are_named(void **unused)
         {"daft.sound('no.wav')", "there is no file 'no.wav'"},
         {"daft.sound('main.lua')", "main.lua: this is no WAV, OGG, FLAC or MP3 file"},
         {"daft.sound { pich = 3 }", "there is no 'pich': did you mean 'pitch'?"},
-        {"daft.sound { pitch = 1 }", "pitch: 10 to 20000 expected, got 1"},
+        {"daft.sound { pitch = 1 }", "pitch is 1; it must be between 10 and 20000 Hz"},
         {"daft.sound { wave = 'sinus' }", "wave: \"sine\", \"triangle\""},
         {"daft.sound { notes = 'c4 q' }", "notes: 'q' is no note"},
         {"daft.sound { notes = 7 }", "notes: string expected"},
         {"daft.sound()", "sound: file or table expected, got nothing"},
-        {"daft.sound {}:play { volume = 5 }", "volume: 0 to 4 expected, got 5"},
+        {"daft.sound {}:play { volume = 5 }", "volume is 5; it must be between 0 and 4"},
         {"daft.sound {}:play { near = 10, far = 5 }", "far: more than near, 10, expected"},
         {"daft.sound {}:play { at = 'here' }", "at: "},
         {"daft.sound {}:play { lop = true }", "did you mean 'loop'?"},
@@ -139,6 +139,73 @@ static void mistakes_are_named(void **unused)
     write_game("local s = daft.sound {}\nfunction daft.draw() s:play() end");
     assert_status(play("--ticks 2 --every-frame"), 1, output);
     assert_says(output, "main.lua:2: sound:play: not within daft.draw");
+}
+
+/* ---- what editors are told ---- */
+
+/* A value of the field: its default where that is told, else one of its type. */
+static void value_of(const char *type, const char *doc, char out[64])
+{
+    const char *end = strstr(doc, " unless given"), *begin = end;
+    while (begin && begin > doc && strncmp(begin - 2, "; ", 2) != 0) begin--;
+    if (end)
+        snprintf(out, 64, "%.*s", (int)(end - begin), begin);
+    else
+        snprintf(out, 64, "%s",
+                 strncmp(type, "number", 6) == 0         ? "1"
+                 : strncmp(type, "string", 6) == 0       ? "'a4'"
+                 : strncmp(type, "daft.vector", 11) == 0 ? "{ 0, 0, 0 }"
+                                                         : "'#fff'");
+}
+
+/* The fields of a class in scripts/daft.d.lua, one "name = value" after another; how many there are. */
+static int options_of(const char *file, const char *name, char out[2048])
+{
+    char head[96];
+    snprintf(head, sizeof head, "---@class daft.%s.options\n", name);
+    const char *at = strstr(file, head);
+    int count = 0;
+    size_t used = 0;
+    if (!at) fail_msg("there is no %s", head);
+    for (at += strlen(head); strncmp(at, "---@field ", 10) == 0; at = strchr(at, '\n') + 1) {
+        char field[32], type[64], doc[400], value[64];
+        assert_int_equal(sscanf(at, "---@field %31[a-z_]? %63s %399[^\n]", field, type, doc), 3);
+        assert_string_not_equal(type, "table");
+        value_of(type, doc, value);
+        used += (size_t)snprintf(out + used, 2048 - used, "%s = %s, ", field, value);
+        count++;
+    }
+    return count;
+}
+
+/* All that the classes name is taken, as what it is without; what they do not name is refused. */
+static void options_are_those_that_editors_are_told(void **unused)
+{
+    (void)unused;
+    static const struct {
+        const char *name, *before, *after;
+        int count;
+    } CASES[] = {{"sound", "daft.sound {", "}", 13},
+                 {"sound.play", "daft.sound {}:play {", "}", 9},
+                 {"particles", "daft.particles {", "}", 14}};
+    size_t size;
+    char *file = daft_read_file(NULL, DAFT_ROOT "/scripts/daft.d.lua", &size, &error);
+    assert_non_null(file);
+    for (size_t i = 0; i < sizeof CASES / sizeof CASES[0]; i++) {
+        static char options[2048], text[4096];
+        assert_int_equal(options_of(file, CASES[i].name, options), CASES[i].count);
+        for (int wrong = 0; wrong < 2; wrong++) {
+            snprintf(text, sizeof text, "function daft.load() %s %s %s %s end", CASES[i].before, options,
+                     wrong ? "none = 1" : "", CASES[i].after);
+            write_game(text);
+            assert_status(play("--ticks 2"), wrong, output);
+            if (wrong) assert_says(output, "there is no 'none'");
+        }
+    }
+    assert_non_null(strstr(file, "---@param file string|daft.sound.options\n"));
+    assert_non_null(strstr(file, "---@param options? daft.sound.play.options\n"));
+    assert_non_null(strstr(file, "---@param options daft.particles.options\n"));
+    free(file);
 }
 
 /* A sound a tick, held by nothing: neither memory nor the number of voices grows. */
@@ -178,6 +245,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(the_demo_sounds_the_same_each_time, begin, end),
         cmocka_unit_test_setup_teardown(scripts_play_stop_and_move_voices, begin, end),
         cmocka_unit_test_setup_teardown(mistakes_are_named, begin, end),
+        cmocka_unit_test_setup_teardown(options_are_those_that_editors_are_told, begin, end),
         cmocka_unit_test_setup_teardown(sounds_that_nothing_holds_are_let_go, begin, end),
         cmocka_unit_test_setup_teardown(sounds_are_written_whole_or_not_at_all, begin, end)};
     return cmocka_run_group_tests(tests, NULL, NULL);
