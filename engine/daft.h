@@ -331,6 +331,7 @@ typedef struct daft_mesh_info {
     daft_vec3 low, high; /* bounds in the mesh's own space, at rest */
     size_t bytes;        /* of memory: vertices, attributes, indices, trees and clips */
     uint32_t clip_count;
+    uint32_t camera_count, light_count; /* that its file has */
 } daft_mesh_info;
 
 /* Fails for a null handle, as every call that takes one. */
@@ -405,6 +406,9 @@ typedef struct daft_material_def {
     float opacity; /* 0..1, what the alpha map multiplies; of a mask and a blend alone */
     float alpha_cutoff;
     daft_texture alpha_map; /* none: the alpha of `diffuse_map` */
+    /* Phong shading: what it mirrors in place of what stands around it, without a ray: an image all around, as of a sky
+     * (daft_scene_set_sky_image); none: the rays do. */
+    daft_texture reflection_map;
 } daft_material_def;
 
 DAFT_API daft_material_def daft_default_material_def(void); /* a light grey, slightly shiny */
@@ -819,9 +823,11 @@ DAFT_API daft_camera daft_camera_look_at(daft_dvec3 from, daft_dvec3 at, float f
 /* The direction, of length 1, in which a point of the camera's picture lies: x and y go from 0, 0 in the upper left
  * corner to 1, 1; `aspect` is the picture's height over its width. */
 DAFT_API daft_vec3 daft_camera_ray(const daft_camera *camera, double x, double y, double aspect);
-/* The cameras a scene file names, in its order; the first is the one that is set. */
+/* The cameras that scene files name and programs add, in order; the first is the one that is set. */
 DAFT_API uint32_t daft_scene_camera_count(const daft_scene *scene);
 DAFT_API bool daft_scene_get_camera(const daft_scene *scene, uint32_t index, daft_camera *out, daft_error *error);
+/* One more behind these. */
+DAFT_API bool daft_scene_add_camera(daft_scene *scene, const daft_camera *camera, daft_error *error);
 /* The camera in use, interpolated between the last two ticks (alpha 1: now). */
 DAFT_API daft_camera daft_scene_camera(const daft_scene *scene, float alpha);
 /* `teleport`: pictures do not glide to it from the last tick's. */
@@ -879,6 +885,9 @@ typedef struct daft_light_def {
     /* Point and spot: metres to where its light ends; on the way it falls as (1 - (distance / range)^2)^2. 0: it is
      * equally bright at any distance. A light that reaches nothing in sight costs next to nothing. */
     float range;
+    /* Point and spot: its light falls with the square of the distance, and `color` is what it has at a metre; with a
+     * range times 1 - (distance / range)^4, as glTF has it. Nearer than a centimetre it is as bright as there. */
+    bool inverse_square;
 } daft_light_def;
 
 /* A white point light at the origin that casts shadows. */
@@ -888,6 +897,26 @@ DAFT_API daft_light daft_light_create(daft_scene *scene, const daft_light_def *d
 DAFT_API bool daft_light_get(daft_scene *scene, daft_light light, daft_light_def *def, daft_error *error);
 DAFT_API bool daft_light_set(daft_scene *scene, daft_light light, const daft_light_def *def, daft_error *error);
 DAFT_API bool daft_light_destroy(daft_scene *scene, daft_light light, daft_error *error);
+
+/* Cameras and lights of a mesh's file, by their numbers below daft_mesh_info's counts. Nothing adds them to the scene
+ * but daft_scene_add_camera and daft_light_create. `at` is where the mesh stands: NULL, or at the origin, in its own
+ * axes. Lights of glTF files are photometric, and a white surface sends on a pi-th of what it gets: `color` is the
+ * light's colour times its lux / pi (sun) or candela / pi (point and spot, inverse_square). Those of other formats are
+ * what they say, and fall where they decay with the square of the distance. Sizes of lights do not grow with `at`. */
+typedef struct daft_mesh_camera {
+    char name[128];
+    daft_camera camera; /* fov: of a picture with the camera's own aspect ratio, or 16:9 where it has none */
+} daft_mesh_camera;
+
+typedef struct daft_mesh_light {
+    char name[128];
+    daft_light_def light;
+} daft_mesh_light;
+
+DAFT_API bool daft_mesh_get_camera(daft_scene *scene, daft_mesh mesh, uint32_t index, const daft_transform *at,
+                                   daft_mesh_camera *out, daft_error *error);
+DAFT_API bool daft_mesh_get_light(daft_scene *scene, daft_mesh mesh, uint32_t index, const daft_transform *at,
+                                  daft_mesh_light *out, daft_error *error);
 
 /* Colours in linear light, finite and 0 or more. The calls without an error warn about others, and change nothing. */
 DAFT_API void daft_scene_set_ambient(daft_scene *scene, daft_vec3 color); /* light from everywhere; default 0.2 grey */

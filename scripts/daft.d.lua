@@ -231,6 +231,7 @@ local voice = {}
 ---@field opacity? number What alpha is multiplied by (number, 0 to 1); 1 unless given
 ---@field alpha_cutoff? number Where a mask has holes (number, 0 to 1); 0.5 unless given
 ---@field alpha_texture? "name" Its alpha or, where it has none, its green is the alpha; none: the alpha of texture
+---@field reflection_texture? "name" What it mirrors in place of its surroundings: an image all around, as of a sky; phong shading alone
 
 ---@class daft.light.sun.options
 ---@field direction? daft.vector Where its light travels to: a spot's axis; any length but zero; {0, -1, 0} unless given
@@ -244,6 +245,7 @@ local voice = {}
 ---@field shadow? boolean Whether entities cast shadows in it; true unless given
 ---@field radius? number Of the ball that glows, for soft shadows; 0: a point, whose shadows are sharp (number, m, 0 to 1e+06); 0 unless given
 ---@field range? number Where its light ends, having faded all the way; 0: it is equally bright at any distance (number, m, 0 to 1e+06); 0 unless given
+---@field inverse_square? boolean Its light falls with the square of the distance: its colour is what it has at a metre; false unless given
 
 ---@class daft.light.spot.options
 ---@field position? daft.vector|daft.entity Where it is; {0, 0, 0} unless given
@@ -254,6 +256,7 @@ local voice = {}
 ---@field angle? number None of its light is beyond this angle of the direction (number, rad, up to 3.14159); 0.5235988 unless given
 ---@field radius? number Of the ball that glows, for soft shadows; 0: a point, whose shadows are sharp (number, m, 0 to 1e+06); 0 unless given
 ---@field range? number Where its light ends, having faded all the way; 0: it is equally bright at any distance (number, m, 0 to 1e+06); 0 unless given
+---@field inverse_square? boolean Its light falls with the square of the distance: its colour is what it has at a metre; false unless given
 
 ---@class daft.fog.options
 ---@field color? daft.color Its own colour in linear light; {0.7, 0.7, 0.7} unless given
@@ -758,7 +761,7 @@ function mesh:bounds() end
 ---@return daft.light
 function daft.light.sun(options) end
 
----Light from a point, equally bright at any distance unless it has a range.
+---Light from a point, equally bright at any distance unless it has a range or is inverse_square.
 ---@param options daft.light.point.options
 ---@return daft.light
 function daft.light.point(options) end
@@ -767,6 +770,11 @@ function daft.light.point(options) end
 ---@param options daft.light.spot.options
 ---@return daft.light
 function daft.light.spot(options) end
+
+---Makes lights of those that its mesh's file has, where it stands now, and lists them. Those of glTF have their
+---candela or lux / pi as colour: bright ones need daft.exposure.
+---@return daft.light[]
+function entity:add_lights() end
 
 ---Changes what the table names.
 ---@param options daft.light.spot.options
@@ -859,6 +867,10 @@ function daft.camera.get() end
 ---@param pace? string
 ---@return daft.camera.set.options
 function daft.camera.along(points, seconds, pace) end
+
+---The cameras that its mesh's file has, where it stands now, for daft.camera.set: by their numbers and names.
+---@return table<integer|string, daft.camera.set.options>
+function entity:cameras() end
 
 ---The checkpoints of the `path` items of scene files.
 ---@return daft.camera.along.options[]

@@ -71,6 +71,7 @@ typedef enum daft_mtl_use {
     DAFT_MTL_NORMAL,
     DAFT_MTL_ROUGHNESS,
     DAFT_MTL_METALLIC,
+    DAFT_MTL_REFLECTION, /* refl -type sphere */
     DAFT_MTL_MAPS,
     DAFT_MTL_DIFFUSE = DAFT_MTL_MAPS /* the material's own */
 } daft_mtl_use;
@@ -138,11 +139,38 @@ void daft_mtl_drop(const daft_allocator *allocator, daft_mtl *mtl);
 /* The default material: Kd 0.8, no map, illum 2. */
 daft_mtl daft_mtl_default(void);
 
+/* Where a file has a camera, in the mesh's axes: forward and up of any length but zero, at any angle but none. */
+typedef struct daft_obj_camera {
+    char name[128];
+    daft_dvec3 position;
+    daft_vec3 forward, up;
+    float fov; /* as daft_mesh_camera says */
+} daft_obj_camera;
+
+/* And a light: what daft_light_def says of these. */
+typedef struct daft_obj_light {
+    char name[128];
+    daft_light_kind kind;
+    daft_dvec3 position;
+    daft_vec3 direction, color;
+    float inner_angle, outer_angle, range;
+    bool inverse_square;
+} daft_obj_light;
+
+typedef struct daft_scenery {
+    daft_obj_camera *cameras;
+    daft_obj_light *lights;
+    uint32_t camera_count, light_count;
+} daft_scenery;
+
+void daft_scenery_free(const daft_allocator *allocator, daft_scenery *scenery);
+
 typedef struct daft_obj {
     daft_trimesh mesh;
     daft_mtl_list slots;  /* slot i of the mesh has the material slots.items[i] */
     struct daft_rig *rig; /* what its clips move (rig.h); NULL: it has none */
-    uint32_t *groups;     /* smoothing group of each triangle, for daft_obj_smooth; NULL: none, or no longer needed */
+    daft_scenery scenery;
+    uint32_t *groups; /* smoothing group of each triangle, for daft_obj_smooth; NULL: none, or no longer needed */
 } daft_obj;
 
 /* daft_obj_load of a text that has been read, which it releases. */

@@ -56,14 +56,22 @@ typedef enum daft_rig_channel {
     DAFT_RIG_WEIGHT
 } daft_rig_channel;
 
-/* Keys of one channel, linear between them (rotations: on the shorter arc), constant before the first and after the
- * last. */
+/* Between two keys. */
+typedef enum daft_rig_between {
+    DAFT_RIG_LINEAR, /* rotations: on the shorter arc */
+    DAFT_RIG_STEP,   /* as at the key before */
+    DAFT_RIG_CUBIC   /* Hermite's spline of values and tangents; rotations are made unit afterwards, as glTF says */
+} daft_rig_between;
+
+/* Keys of one channel, constant before the first and after the last. */
 typedef struct daft_rig_track {
     daft_rig_channel channel;
-    uint32_t of;    /* the node; of a weight: the target */
-    uint32_t count; /* at least 1 */
-    float *times;   /* seconds, ascending, 0 or more */
-    float *values;  /* daft_rig_width(channel) for each key; rotations x, y, z, w, unit */
+    daft_rig_between between;
+    uint32_t of;     /* the node; of a weight: the target */
+    uint32_t count;  /* at least 1 */
+    float *times;    /* seconds, ascending, 0 or more */
+    float *values;   /* daft_rig_width(channel) for each key; rotations x, y, z, w, unit */
+    float *tangents; /* cubic: two of each key, of arriving at it and of leaving it, in a second; else NULL */
 } daft_rig_track;
 
 typedef struct daft_rig_clip {
@@ -92,6 +100,9 @@ typedef struct daft_rig_layer {
 
 /* a·b, of matrices of three rows whose fourth is 0, 0, 0, 1. */
 void daft_rig_multiply(const double a[12], const double b[12], double out[12]);
+/* Of the cubic between keys k and k + 1, component i: the two inner control points of its Bezier form, in whose hull
+ * with the two values it lies. */
+void daft_rig_controls(const daft_rig_track *track, uint32_t k, uint32_t i, double out[2]);
 /* NULL is fine. */
 void daft_rig_free(const daft_allocator *allocator, daft_rig *rig);
 size_t daft_rig_bytes(const daft_rig *rig);

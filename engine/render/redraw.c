@@ -241,9 +241,9 @@ static bool same_everywhere(const daft_snapshot *a, const daft_snapshot *b)
 static bool same_light(const daft_light_source *a, const daft_light_source *b)
 {
     return a->sun == b->sun && a->casts_shadow == b->casts_shadow && a->spot == b->spot && a->range == b->range &&
-           a->radius == b->radius && a->cone_cosine == b->cone_cosine && a->cone_scale == b->cone_scale &&
-           same_floats(&a->position.x, &b->position.x, 3) && same_floats(&a->to_light.x, &b->to_light.x, 3) &&
-           same_floats(&a->color.x, &b->color.x, 3);
+           a->inverse_square == b->inverse_square && a->radius == b->radius && a->cone_cosine == b->cone_cosine &&
+           a->cone_scale == b->cone_scale && same_floats(&a->position.x, &b->position.x, 3) &&
+           same_floats(&a->to_light.x, &b->to_light.x, 3) && same_floats(&a->color.x, &b->color.x, 3);
 }
 
 /* ---- which tiles ---- */

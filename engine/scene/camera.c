@@ -1,4 +1,4 @@
-/* Cameras: where they look, how they move between two ticks, and the list that scene files name. */
+/* Cameras: where they look, how they move between two ticks, and the list that scene files and programs make. */
 #include "math/trig.h"
 #include "scene/scene.h"
 
@@ -91,7 +91,7 @@ bool daft_scene_set_camera(daft_scene *scene, const daft_camera *camera, bool te
     return true;
 }
 
-/* ---- the cameras of scene files ---- */
+/* ---- the list of cameras ---- */
 
 bool daft_cameras_reserve(daft_scene *scene, uint32_t more, daft_error *error)
 {
@@ -104,6 +104,16 @@ void daft_camera_insert(daft_scene *scene, const daft_camera *camera)
 {
     if (scene->camera_count == 0) scene->camera = scene->camera_before = *camera;
     scene->cameras[scene->camera_count++] = *camera;
+}
+
+bool daft_scene_add_camera(daft_scene *scene, const daft_camera *camera, daft_error *error)
+{
+    daft_error_clear(error);
+    if (!daft_scene_ready(scene, error) || !daft_check_pointer(error, "camera", camera) ||
+        !daft_check_camera(error, "camera", camera) || !daft_cameras_reserve(scene, 1, error))
+        return false;
+    daft_camera_insert(scene, camera);
+    return true;
 }
 
 uint32_t daft_scene_camera_count(const daft_scene *scene) { return scene ? scene->camera_count : 0; }

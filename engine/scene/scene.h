@@ -70,6 +70,7 @@ typedef struct daft_mesh_item {
     daft_kdtree *kdtree;       /* NULL: the engine's accelerator is the BVH, and no picture has asked for one */
     uint32_t *materials;       /* index of each slot's material */
     daft_rig *rig;             /* NULL: it has no clips */
+    daft_scenery scenery;      /* of its file */
     daft_opacity_set *opacity; /* a list; NULL: no picture has shown it in a material with alpha */
 } daft_mesh_item;
 
@@ -388,7 +389,7 @@ uint32_t daft_asset_add(daft_scene *scene, daft_slots *slots, daft_asset_state *
 void daft_material_free(daft_scene *scene, uint32_t index);
 /* A texture, by its handle, is another picture now. */
 void daft_material_refresh(daft_scene *scene, uint32_t texture);
-enum { DAFT_MATERIAL_TEXTURES = 10 };
+enum { DAFT_MATERIAL_TEXTURES = 11 };
 const daft_texture *daft_material_textures(const daft_material_def *def, daft_texture out[DAFT_MATERIAL_TEXTURES]);
 
 bool daft_material_check(const daft_scene *scene, daft_material material, daft_error *error);
@@ -490,6 +491,12 @@ void daft_sight_make(const daft_scene *scene, const daft_view *view, int width, 
 /* Whether anything of the box in the entity's axes can be in the picture, or cast a shadow into it. */
 bool daft_sight_has(const daft_scene *scene, const daft_sight *sight, const daft_entity_item *item, daft_vec3 low,
                     daft_vec3 high);
+
+/* ---- assets/scenery.c ---- */
+
+/* A camera and a light of a mesh's file, placed. */
+daft_camera daft_scenery_camera(const daft_obj_camera *camera, const daft_daffine *at);
+daft_light_def daft_scenery_light(const daft_obj_light *light, const daft_daffine *at);
 
 /* ---- lights.c, camera.c ---- */
 

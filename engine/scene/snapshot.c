@@ -26,7 +26,7 @@ static bool make_light(const daft_light_def *def, daft_dvec3 origin, daft_light_
     *light =
         (daft_light_source){.sun = def->kind == DAFT_LIGHT_SUN, .casts_shadow = def->casts_shadow, .color = def->color};
     if (def->kind == DAFT_LIGHT_SPOT) set_cone(def, light);
-    if (!light->sun) light->range = def->range;
+    if (!light->sun) light->range = def->range, light->inverse_square = def->inverse_square;
     light->radius = light->sun ? (float)daft_tan((double)def->disc) : def->radius;
     if (light->sun)
         light->to_light = towards_light(def->direction);

@@ -13,6 +13,10 @@ bool DAFT_KERNEL(daft_albedo)(daft_batch *batch, const daft_surface *materials, 
 void DAFT_KERNEL(daft_map_color)(const daft_batch *batch, const daft_surface *materials,
                                  const daft_texture_data *textures, daft_texture_filter filter, uint32_t map,
                                  bool linear, uint32_t i, vf3 *color, vf *alpha);
+/* What the reflection map shows in unit directions; points without one keep what is there. */
+void DAFT_KERNEL(daft_map_around)(const daft_batch *batch, const daft_surface *materials,
+                                  const daft_texture_data *textures, daft_texture_filter filter, uint32_t i,
+                                  vf3 direction, vf3 *color);
 void DAFT_KERNEL(daft_map_slopes)(const daft_batch *batch, const daft_surface *materials,
                                   const daft_texture_data *textures, daft_texture_filter filter, uint32_t i,
                                   vf *along_u, vf *along_v);

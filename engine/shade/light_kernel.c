@@ -63,13 +63,17 @@ DAFT_INLINE vf cone_falloff(const daft_light_source *source, vf3 l)
     return t * t * (vf_set(3) - vf_set(2) * t);
 }
 
-/* What a light with a range has left: 1 at the light, smoothly down to 0 where it ends. */
-DAFT_INLINE vf range_falloff(const daft_batch *batch, const daft_light_source *source, uint32_t i)
+/* What distance leaves of a light: 1 at the light, smoothly down to 0 where its range ends; or 1 at a metre, with the
+ * end that KHR_lights_punctual gives a range. */
+DAFT_INLINE vf distance_falloff(const daft_batch *batch, const daft_light_source *source, uint32_t i)
 {
     const vf3 p = lanes_load(&batch->point, i);
     const vf3 l = {vf_set(source->position.x) - p.x, vf_set(source->position.y) - p.y,
                    vf_set(source->position.z) - p.z};
-    const vf left = vf_max(vf_set(1) - vf3_dot(l, l) * vf_set(1 / (source->range * source->range)), vf_set(0));
+    const vf d2 = vf3_dot(l, l), gone = d2 * vf_set(source->range > 0 ? 1 / (source->range * source->range) : 0);
+    if (source->inverse_square)
+        return vf_max(vf_set(1) - gone * gone, vf_set(0)) / vf_max(d2, vf_set(1e-4f)); /* m²: of a centimetre */
+    const vf left = vf_max(vf_set(1) - gone, vf_set(0));
     return left * left;
 }
 
@@ -98,7 +102,7 @@ static uint32_t facing(daft_batch *batch, const daft_light_source *source, uint3
         vf_store(&batch->cosine[i], cosine);
         vbits lit = vbits_from_mask(vf_lt(vf_set(0), cosine)) & vbits_first_n((int)(batch->count - i));
         if (source->spot && lit) lit &= vbits_from_mask(vf_lt(vf_set(0), cone_falloff(source, l)));
-        if (source->range > 0 && lit) lit &= vbits_from_mask(vf_lt(vf_set(0), range_falloff(batch, source, i)));
+        if (source->range > 0 && lit) lit &= vbits_from_mask(vf_lt(vf_set(0), distance_falloff(batch, source, i)));
         bits[i / 32] |= lit << (i % 32);
         total += (uint32_t)__builtin_popcount(lit);
     }
@@ -191,8 +195,8 @@ static void direct_light(daft_batch *batch, const daft_surface *materials, const
             vf falloff = cone_falloff(source, direction_to(batch, source, i));
             sum = (vf3){sum.x * falloff, sum.y * falloff, sum.z * falloff};
         }
-        if (source->range > 0) {
-            const vf left = range_falloff(batch, source, i);
+        if (source->range > 0 || source->inverse_square) {
+            const vf left = distance_falloff(batch, source, i);
             sum = (vf3){sum.x * left, sum.y * left, sum.z * left};
         }
         if (arriving) {

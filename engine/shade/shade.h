@@ -21,6 +21,7 @@ enum {
     DAFT_MAP_NORMAL,
     DAFT_MAP_BUMP,
     DAFT_MAP_ALPHA,
+    DAFT_MAP_REFLECTION,
     DAFT_MAPS
 };
 
@@ -29,6 +30,7 @@ typedef struct daft_surface {
     daft_vec3 ambient, diffuse; /* times 1 - transmission */
     daft_vec3 specular, emission;
     daft_vec3 mirror;        /* reflected fraction times tint */
+    daft_vec3 reflection;    /* the same, of a material that mirrors an image instead; else 0 */
     daft_vec3 transmittance; /* transmission times its tint */
     float transmission, index;
     float shininess;
@@ -54,7 +56,8 @@ enum {
     DAFT_TRAIT_MAPS = 64,     /* some of it by maps */
     DAFT_TRAIT_TANGENT = 128, /* some of these are normals or heights */
     DAFT_TRAIT_PHYSICAL = 256,
-    DAFT_TRAIT_BLEND = 512
+    DAFT_TRAIT_BLEND = 512,
+    DAFT_TRAIT_AROUND = 1024 /* mirrors an image all around it */
 };
 
 static inline uint32_t daft_surface_traits(const daft_surface *m)
@@ -86,6 +89,7 @@ typedef struct daft_light_source {
     daft_vec3 to_light; /* sun and spot: unit, against its direction */
     daft_vec3 color;
     bool spot;
+    bool inverse_square;           /* point and spot: `color` is what it has at a metre */
     float range;                   /* metres to where a point light or spot ends; 0: nowhere */
     float radius;                  /* metres; of a sun the tangent of half the angle that it spans; 0: sharp shadows */
     float cone_cosine, cone_scale; /* spot: cosine of the outer angle; 1 / (cosine of the inner angle - cone_cosine) */

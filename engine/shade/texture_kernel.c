@@ -282,3 +282,20 @@ void DAFT_KERNEL(daft_map_slopes)(const daft_batch *batch, const daft_surface *m
         left &= ~same;
     }
 }
+
+/* As the sky's image lies around the scene. The finest level: how fast the mirrored direction turns is not known. */
+void DAFT_KERNEL(daft_map_around)(const daft_batch *batch, const daft_surface *materials,
+                                  const daft_texture_data *textures, daft_texture_filter filter, uint32_t i,
+                                  vf3 direction, vf3 *color)
+{
+    const material_reader m = read_materials(batch, materials, i);
+    const vi texture = (vi)MATERIAL_WORD(&m, maps[DAFT_MAP_REFLECTION]);
+    const vbits some = with_texture(batch, texture, i);
+    if (!some) return;
+    const vf half = vf_set(0.5f), level = vf_sqrt(direction.x * direction.x + direction.z * direction.z);
+    texture_lanes at = {.footprint = vf_set(0), .inside = vm_from_bits(0)};
+    at.u = fraction(half + vf_atan2(direction.z, direction.x) * vf_set(0.159154943f));
+    at.v = vf_clamp01(half + vf_atan2(direction.y, level) * vf_set(0.318309886f));
+    vf unused = vf_set(1);
+    sample_lanes(&at, texture, some, textures, filter, false, color, &unused);
+}

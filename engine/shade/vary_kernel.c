@@ -163,6 +163,23 @@ static void make_phong(const place *p, const material_reader *m)
     vf_store(&v->alpha[i], rough * rough);
 }
 
+/* An image all around, in the direction that is mirrored: light as what the surface gives off by itself. */
+static void add_reflection(const place *p, const material_reader *m)
+{
+    daft_varying *v = p->batch->varying;
+    const uint32_t i = p->i;
+    const vf3 n = lanes_load(&p->batch->normal, i), view = lanes_load(&p->batch->view, i);
+    const vf twice = vf_set(2) * vf3_dot(n, view);
+    vf3 light = grey(vf_set(0));
+    DAFT_KERNEL(daft_map_around)
+    (p->batch, p->materials, p->textures, p->filter, i,
+     (vf3){n.x * twice - view.x, n.y * twice - view.y, n.z * twice - view.z}, &light);
+    const vf3 part = times3(MATERIAL_COLOR(m, reflection), map_of(p, DAFT_MAP_SPECULAR, false, NULL)),
+              emission = lanes_load(&v->emission, i);
+    lanes_store(&v->emission, i,
+                (vf3){emission.x + light.x * part.x, emission.y + light.y * part.y, emission.z + light.z * part.z});
+}
+
 /* What of a surface that blends is there: its light is as much less. */
 static void make_opacity(const place *p, const material_reader *m)
 {
@@ -197,6 +214,7 @@ void DAFT_KERNEL(daft_vary)(daft_batch *batch, const daft_surface *materials, co
         const vm physical = vi_eq(traits, vi_set(DAFT_TRAIT_PHYSICAL));
         /* of a physical surface `diffuse` is the base colour */
         if (vbits_from_mask(physical)) make_physical(&p, &m, lanes_load(&batch->varying->diffuse, p.i), physical);
+        if (batch->traits & DAFT_TRAIT_AROUND) add_reflection(&p, &m);
         if (batch->traits & DAFT_TRAIT_BLEND)
             make_opacity(&p, &m);
         else

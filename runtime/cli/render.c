@@ -135,16 +135,13 @@ static bool mark_wrong(const render_options *o, daft_scene *scene, const daft_vi
 static bool render(daft_scene *scene, const render_options *o, daft_image *image, frame_times *times, daft_error *error)
 {
     daft_view view = o->again ? o->again->view : daft_default_view();
-    bool is_mesh = showcase_is_mesh(o->scene);
     double aspect = (double)o->size.height / (double)o->size.width;
     const uint64_t loading = trace_begin(o->spans);
-    if (is_mesh ? !showcase_mesh(scene, o->scene, aspect, &view.camera, error)
-                : !daft_scene_load(scene, o->scene, error))
+    if (showcase_is_mesh(o->scene) ? !showcase_mesh(scene, o->scene, aspect, error)
+                                   : !daft_scene_load(scene, o->scene, error))
         return false;
     trace_end(o->spans, "load", loading);
-    if (!is_mesh && !choose_camera(scene, o, &view.camera, error)) return false;
-    if (is_mesh && o->camera_given && o->camera > 0)
-        return fail(error, DAFT_ERROR_ARGUMENT, "--camera %ld: a mesh by itself has one camera, 0", o->camera);
+    if (!choose_camera(scene, o, &view.camera, error)) return false;
     if (o->again && !o->camera_given) view.camera = o->again->view.camera;
     if (!choose_quality(scene, o, &view.quality, error)) return false;
     view.aov = o->aov.arrays;

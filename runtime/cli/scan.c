@@ -249,8 +249,9 @@ static bool choose_camera(daft_scene *scene, const scan_options *o, daft_camera 
 static bool load(daft_scene *scene, const scan_options *o, daft_camera *camera, daft_error *error)
 {
     *camera = daft_default_camera();
-    if (showcase_is_mesh(o->scene)) return showcase_mesh(scene, o->scene, 1, camera, error);
-    return daft_scene_load(scene, o->scene, error) && choose_camera(scene, o, camera, error);
+    return (showcase_is_mesh(o->scene) ? showcase_mesh(scene, o->scene, 1, error)
+                                       : daft_scene_load(scene, o->scene, error)) &&
+           choose_camera(scene, o, camera, error);
 }
 
 static bool scan_and_write(daft_scene *scene, const scan_options *o, const daft_scan_def *def, daft_error *error)

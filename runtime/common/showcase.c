@@ -40,7 +40,55 @@ daft_camera showcase_camera(daft_dvec3 from, daft_dvec3 to, double aspect)
 
 static daft_dvec3 to_double(daft_vec3 v) { return (daft_dvec3){(double)v.x, (double)v.y, (double)v.z}; }
 
-bool showcase_mesh(daft_scene *scene, const char *path, double aspect, daft_camera *camera, daft_error *error)
+/* What a light gives a surface at `at` that faces it, by its brightest colour; no nearer than `near` metres. */
+static double brightness(const daft_light_def *light, daft_dvec3 at, double near)
+{
+    const daft_dvec3 p = light->position;
+    const double color = fmax(fmax((double)light->color.x, (double)light->color.y), (double)light->color.z);
+    const double x = p.x - at.x, y = p.y - at.y, z = p.z - at.z;
+    return light->inverse_square ? color / fmax(x * x + y * y + z * z, near * near) : color;
+}
+
+/* The file's own lights in proportion to each other, so bright that in the middle of the mesh the brightest lights a
+ * white surface white: some files say lux, some say nothing. Without any, a sun. */
+static bool add_lights(daft_scene *scene, daft_mesh mesh, const daft_mesh_info *info, daft_error *error)
+{
+    const daft_dvec3 low = to_double(info->low), high = to_double(info->high);
+    const daft_dvec3 middle = {(low.x + high.x) / 2, (low.y + high.y) / 2, (low.z + high.z) / 2};
+    const double x = high.x - low.x, y = high.y - low.y, z = high.z - low.z, near = sqrt(x * x + y * y + z * z) / 8;
+    daft_mesh_light one;
+    double most = 0;
+    for (uint32_t i = 0; i < info->light_count; i++) {
+        if (!daft_mesh_get_light(scene, mesh, i, NULL, &one, error)) return false;
+        most = fmax(most, brightness(&one.light, middle, near));
+    }
+    for (uint32_t i = 0; most > 0 && i < info->light_count; i++) {
+        if (!daft_mesh_get_light(scene, mesh, i, NULL, &one, error)) return false;
+        float *const color[3] = {&one.light.color.x, &one.light.color.y, &one.light.color.z};
+        for (int k = 0; k < 3; k++) *color[k] = (float)((double)*color[k] / most);
+        if (!daft_light_create(scene, &one.light, error).id) return false;
+    }
+    if (most > 0) return true;
+    daft_light_def sun = daft_default_light_def();
+    sun.kind = DAFT_LIGHT_SUN;
+    sun.direction = (daft_vec3){-0.35f, -1, -0.9f};
+    sun.color = (daft_vec3){0.75f, 0.73f, 0.7f};
+    return daft_light_create(scene, &sun, error).id != 0;
+}
+
+/* The file's, and behind them one that sees all: exporters add cameras that look elsewhere. */
+static bool add_cameras(daft_scene *scene, daft_mesh mesh, const daft_mesh_info *info, double aspect, daft_error *error)
+{
+    const daft_camera all = showcase_camera(to_double(info->low), to_double(info->high), aspect);
+    daft_mesh_camera one;
+    for (uint32_t i = 0; i < info->camera_count; i++)
+        if (!daft_mesh_get_camera(scene, mesh, i, NULL, &one, error) ||
+            !daft_scene_add_camera(scene, &one.camera, error))
+            return false;
+    return daft_scene_add_camera(scene, &all, error);
+}
+
+bool showcase_mesh(daft_scene *scene, const char *path, double aspect, daft_error *error)
 {
     daft_mesh mesh = daft_mesh_load(scene, path, error);
     daft_mesh_info info;
@@ -49,14 +97,8 @@ bool showcase_mesh(daft_scene *scene, const char *path, double aspect, daft_came
     daft_entity_def def = daft_default_entity_def();
     def.shape = DAFT_SHAPE_MESH;
     def.mesh = mesh;
-    if (!daft_entity_create(scene, &def, error).id) return false;
-    daft_light_def sun = daft_default_light_def();
-    sun.kind = DAFT_LIGHT_SUN;
-    sun.direction = (daft_vec3){-0.35f, -1, -0.9f};
-    sun.color = (daft_vec3){0.75f, 0.73f, 0.7f};
-    if (!daft_light_create(scene, &sun, error).id) return false;
+    if (!daft_entity_create(scene, &def, error).id || !add_lights(scene, mesh, &info, error)) return false;
     daft_scene_set_ambient(scene, (daft_vec3){0.22f, 0.24f, 0.28f});
     daft_scene_set_sky_gradient(scene, (daft_vec3){0.16f, 0.35f, 0.72f}, (daft_vec3){0.8f, 0.88f, 0.95f});
-    *camera = showcase_camera(to_double(info.low), to_double(info.high), aspect);
-    return true;
+    return add_cameras(scene, mesh, &info, aspect, error);
 }

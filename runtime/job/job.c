@@ -111,11 +111,10 @@ static bool film(job *self, daft_engine *engine, daft_error *error)
 
 static bool load(job *self, daft_engine *engine, daft_error *error)
 {
-    daft_camera ignored;
     double aspect = (double)self->def.height / self->def.width;
     self->scene = daft_scene_create(engine, error);
     if (!self->scene) return false;
-    if (showcase_is_mesh(self->def.scene)) return showcase_mesh(self->scene, self->def.scene, aspect, &ignored, error);
+    if (showcase_is_mesh(self->def.scene)) return showcase_mesh(self->scene, self->def.scene, aspect, error);
     return daft_scene_load(self->scene, self->def.scene, error);
 }
 

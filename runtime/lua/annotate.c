@@ -78,6 +78,8 @@ static const struct {
                 {"pick", "daft.hit"},
                 {"camera.get", "daft.camera.set.options"},
                 {"camera.along", "daft.camera.set.options"},
+                {"entity:cameras", "table<integer|string, daft.camera.set.options>"},
+                {"entity:add_lights", "daft.light[]"},
                 {"camera.checkpoints", "daft.camera.along.options[]"},
                 {"scene", "table<string, daft.entity>"},
                 {"quality", "daft.quality.options"}};

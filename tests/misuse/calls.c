@@ -702,6 +702,8 @@ GIVE_ROOM(daft_sim_measure, VERDICT_WRONG)
 GIVE_ROOM(daft_mesh, VERDICT_WRONG)
 GIVE_ROOM(daft_mesh_info, VERDICT_WRONG)
 GIVE_ROOM(daft_clip_info, VERDICT_WRONG)
+GIVE_ROOM(daft_mesh_camera, VERDICT_WRONG)
+GIVE_ROOM(daft_mesh_light, VERDICT_WRONG)
 GIVE_ROOM(daft_animation, VERDICT_WRONG)
 GIVE_ROOM(daft_mesh_report, VERDICT_WRONG)
 GIVE_ROOM(daft_material_def, VERDICT_WRONG)
@@ -1010,12 +1012,13 @@ void caller_mend(caller *c)
     if (!c->scene) make_scene(c);
 }
 
-/* No mesh here has clips, which come from files that Assimp reads. */
+/* No mesh here has clips, cameras and lights, which come from files that Assimp reads. */
 static bool takes_clips(const caller *c)
 {
     static const char *const NAMES[] = {"daft_mesh_get_clip",        "daft_mesh_find_clip",
                                         "daft_entity_get_mesh",      "daft_entity_play",
-                                        "daft_entity_get_animation", "daft_entity_set_animation_time"};
+                                        "daft_entity_get_animation", "daft_entity_set_animation_time",
+                                        "daft_mesh_get_camera",      "daft_mesh_get_light"};
     for (size_t i = 0; i < COUNT_OF(NAMES); i++)
         if (is_function(c, NAMES[i])) return true;
     return false;

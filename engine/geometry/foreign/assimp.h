@@ -3,10 +3,13 @@
 #define DAFT_FOREIGN_ASSIMP_H
 
 #include "geometry/foreign/foreign.h"
+#include "geometry/foreign/gltf.h"
 #include "geometry/rig.h"
 
+#include <assimp/camera.h>
 #include <assimp/cfileio.h>
 #include <assimp/cimport.h>
+#include <assimp/light.h>
 #include <assimp/material.h>
 #include <assimp/mesh.h>
 #include <assimp/postprocess.h>
@@ -34,6 +37,8 @@ typedef struct daft_foreign {
     const struct aiScene *scene;
     daft_error *error;
     const char *format; /* as daft_foreign_format says */
+    const void *bytes;  /* of the file */
+    size_t size;
 } daft_foreign;
 
 /* ---- the hierarchy: nodes.c ---- */
@@ -74,6 +79,7 @@ typedef struct daft_flattener {
     const daft_foreign *from;
     daft_trimesh mesh;
     daft_foreign_nodes nodes;
+    daft_gltf gltf;
     daft_vec3 *positions; /* of all vertices, before those in one place become one */
     uint32_t count;
     uint32_t *number; /* of each of these its number afterwards */
@@ -99,8 +105,11 @@ bool daft_foreign_rig_alike(const daft_flattener *f, uint32_t a, uint32_t b);
 /* Once vertices and normals are there: fills the rig, and poses the mesh as it stands at rest. */
 bool daft_foreign_rig_end(daft_flattener *f);
 
+/* scenery.c: the cameras and lights. */
+bool daft_foreign_scenery(const daft_flattener *f, daft_obj *out);
+
 /* clips.c: fills the clips. */
-bool daft_foreign_clips(const daft_flattener *f);
+bool daft_foreign_clips(daft_flattener *f);
 /* Whether a channel of weights is about this mesh at this node. */
 bool daft_foreign_weighs(const struct aiMeshMorphAnim *channel, const struct aiNode *node, const struct aiMesh *mesh);
 

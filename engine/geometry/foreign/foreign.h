@@ -1,8 +1,9 @@
 /* foreign: glTF, FBX, PLY, STL, COLLADA and the rest through Assimp, which is looked for when the first such file is
  * loaded: programs that load none pay nothing for it. Public headers: none. Inner headers: foreign.h
- * assimp.h
- * A file becomes one mesh: the hierarchy is flattened, skins are in the pose of the file, lights and cameras are left
- * out. Vertices in one place become one, so that triangles that share an edge share its vertices. */
+ * assimp.h gltf.h json.h
+ * A file becomes one mesh: the hierarchy is flattened, skins are in the pose of the file, lights and cameras stand
+ * beside it, where they are at rest. Vertices in one place become one, so that triangles that share an edge share its
+ * vertices. */
 #ifndef DAFT_FOREIGN_H
 #define DAFT_FOREIGN_H
 

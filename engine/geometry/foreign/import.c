@@ -165,7 +165,7 @@ bool daft_foreign_parse(const daft_allocator *allocator, const daft_files *files
     const struct aiScene *scene = assimp.import(name, steps, &io, NULL);
     bool good = scene && scene->mRootNode;
     if (good) {
-        const daft_foreign all = {allocator, files, path, log, &assimp, scene, error, format};
+        const daft_foreign all = {allocator, files, path, log, &assimp, scene, error, format, bytes, size};
         good = convert(&all, out);
     } else {
         char why[400];

@@ -227,8 +227,10 @@ static bool make_normals(flattener *f)
 bool daft_foreign_mesh(const daft_foreign *from, daft_obj *out)
 {
     flattener f = {.from = from};
-    bool good = daft_foreign_nodes_list(from, &f.nodes) && daft_foreign_rig_begin(&f) && reserve(&f) &&
-                put_meshes(&f) && weld(&f) && make_normals(&f) && (!f.rig || daft_foreign_rig_end(&f));
+    bool good = daft_foreign_nodes_list(from, &f.nodes) && daft_gltf_open(from, &f.nodes, &f.gltf) &&
+                daft_foreign_rig_begin(&f) && reserve(&f) && put_meshes(&f) && weld(&f) && make_normals(&f) &&
+                (!f.rig || daft_foreign_rig_end(&f)) && daft_foreign_scenery(&f, out);
+    daft_gltf_close(&f.gltf);
     daft_foreign_nodes_free(from, &f.nodes);
     daft_release(from->allocator, f.positions), daft_release(from->allocator, f.number);
     daft_release(from->allocator, f.blended), daft_release(from->allocator, f.bindings);

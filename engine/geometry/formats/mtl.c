@@ -282,7 +282,8 @@ typedef enum option_kind {
     OPTION_RESOLUTION,
     OPTION_RANGE,
     OPTION_OFFSET,
-    OPTION_SCALE
+    OPTION_SCALE,
+    OPTION_TYPE
 } option_kind;
 
 typedef struct map_option {
@@ -297,7 +298,7 @@ static const map_option map_options[] = {
     {"-cc", 0, 0, OPTION_IGNORED},
     {"-clamp", 0, 0, OPTION_CLAMP},
     {"-imfchan", 0, 0, OPTION_CHANNEL},
-    {"-type", 0, 0, OPTION_IGNORED},
+    {"-type", 0, 0, OPTION_TYPE},
     {"-colorspace", 0, 0, OPTION_IGNORED},
     {"-boost", 1, 1, OPTION_IGNORED},
     {"-bm", 1, 1, OPTION_BUMP},
@@ -314,6 +315,7 @@ typedef struct map_settings {
     daft_vec2 scale, offset;
     float bump;
     bool places, clamps; /* it has -s, -o or -clamp on */
+    bool cube;           /* a side of one: -type cube_top and so on */
 } map_settings;
 
 static const map_option *find_option(const char *at, size_t length)
@@ -358,6 +360,7 @@ static void apply_option(option_kind kind, const double n[3], int count, const c
         out->scale = (daft_vec2){finite_or(n[0], 1), count > 1 ? finite_or(n[1], 1) : 1};
         out->places = true;
         break;
+    case OPTION_TYPE: out->cube = strncasecmp(word, "cube", 4) == 0; break;
     case OPTION_IGNORED: break;
     }
 }
@@ -476,10 +479,11 @@ static const struct {
     const char *word;
     daft_mtl_use use;
 } other_maps[] = {
-    {"map_Ka", DAFT_MTL_AMBIENT},   {"map_Ks", DAFT_MTL_SPECULAR},  {"map_Ke", DAFT_MTL_EMISSION},
-    {"map_Ns", DAFT_MTL_SHININESS}, {"map_d", DAFT_MTL_ALPHA},      {"map_Bump", DAFT_MTL_BUMP},
-    {"bump", DAFT_MTL_BUMP},        {"norm", DAFT_MTL_NORMAL},      {"map_norm", DAFT_MTL_NORMAL},
-    {"map_Kn", DAFT_MTL_NORMAL},    {"map_Pr", DAFT_MTL_ROUGHNESS}, {"map_Pm", DAFT_MTL_METALLIC},
+    {"map_Ka", DAFT_MTL_AMBIENT},   {"map_Ks", DAFT_MTL_SPECULAR},     {"map_Ke", DAFT_MTL_EMISSION},
+    {"map_Ns", DAFT_MTL_SHININESS}, {"map_d", DAFT_MTL_ALPHA},         {"map_Bump", DAFT_MTL_BUMP},
+    {"bump", DAFT_MTL_BUMP},        {"norm", DAFT_MTL_NORMAL},         {"map_norm", DAFT_MTL_NORMAL},
+    {"map_Kn", DAFT_MTL_NORMAL},    {"map_Pr", DAFT_MTL_ROUGHNESS},    {"map_Pm", DAFT_MTL_METALLIC},
+    {"refl", DAFT_MTL_REFLECTION},  {"map_refl", DAFT_MTL_REFLECTION},
 };
 
 static bool is_word(const char *word, size_t length, const char *keyword)
@@ -507,12 +511,17 @@ static bool read_other_map(reader *r, const char *word, const char *p)
     map_settings settings;
     daft_mtl_map map = {0};
     if (!read_map(r, word, p, &settings, &map)) return false;
+    if (other_maps[k].use == DAFT_MTL_REFLECTION && settings.cube) {
+        if (r->text.log && r->text.log->checks) daft_text_warn_not_drawn(&r->text, word, length);
+        return true;
+    }
     daft_mtl_map *at = daft_mtl_map_at(r->allocator, r->current, other_maps[k].use);
     if (!at) {
         r->out_of_memory = true;
         return false;
     }
     *at = map;
+    if (other_maps[k].use == DAFT_MTL_REFLECTION) return true; /* it lies around all, not on the surface */
     if (other_maps[k].use == DAFT_MTL_BUMP) r->current->bump = settings.bump;
     place_maps(r, word, &settings, false);
     complete_factor(r, other_maps[k].use);
@@ -555,8 +564,8 @@ static const struct {
 
 /* Known and not drawn. */
 static const char *const quiet_statements[] = {
-    "map_Tr", "disp",   "map_disp", "decal",  "refl",    "map_refl",  "map_aat", "Ps",      "Pc",        "Pcr",
-    "aniso",  "anisor", "map_Ps",   "map_Pc", "map_Pcr", "map_aniso", "map_RMA", "map_ORM", "sharpness",
+    "map_Tr", "disp",   "map_disp", "decal",   "map_aat",   "Ps",      "Pc",      "Pcr",       "aniso",
+    "anisor", "map_Ps", "map_Pc",   "map_Pcr", "map_aniso", "map_RMA", "map_ORM", "sharpness",
 };
 
 static bool is_skipped_quietly(const char *word, size_t length)

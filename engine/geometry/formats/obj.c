@@ -131,11 +131,18 @@ bool daft_obj_smooth(const daft_allocator *allocator, daft_obj *obj, daft_error 
     return true;
 }
 
+void daft_scenery_free(const daft_allocator *allocator, daft_scenery *scenery)
+{
+    daft_release(allocator, scenery->cameras), daft_release(allocator, scenery->lights);
+    *scenery = (daft_scenery){0};
+}
+
 void daft_obj_free(const daft_allocator *allocator, daft_obj *obj)
 {
     daft_trimesh_free(allocator, &obj->mesh);
     daft_mtl_list_free(allocator, &obj->slots);
     daft_release(allocator, obj->groups);
     daft_rig_free(allocator, obj->rig);
+    daft_scenery_free(allocator, &obj->scenery);
     obj->groups = NULL, obj->rig = NULL;
 }

@@ -1,4 +1,5 @@
-/* geometry/formats: reading and checking OBJ and MTL files. Public headers: none; geometry/mesh.h has the functions.
+/* geometry/formats: reading and checking OBJ and MTL files. Public headers: text.h. The functions are those of
+ * geometry/mesh.h.
  *
  * What the parts of the OBJ loader share: the statements as read, before they are a mesh. */
 #ifndef DAFT_OBJ_H

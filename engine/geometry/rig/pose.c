@@ -55,13 +55,46 @@ static uint32_t key_before(const daft_rig_track *track, double time)
     return low;
 }
 
+void daft_rig_controls(const daft_rig_track *t, uint32_t k, uint32_t i, double out[2])
+{
+    const size_t width = daft_rig_width(t->channel), a = k * width + i, b = a + width;
+    const double third = ((double)t->times[k + 1] - (double)t->times[k]) / 3;
+    const float *leaving = t->tangents + (2 * (size_t)k + 1) * width, *arriving = leaving + width;
+    out[0] = (double)t->values[a] + third * (double)leaving[i];
+    out[1] = (double)t->values[b] - third * (double)arriving[i];
+}
+
+/* By the Bezier form of Hermite's spline; t: 0..1 from key k to the next. */
+static void spline(const daft_rig_track *track, uint32_t k, double t, double out[4])
+{
+    const uint32_t width = daft_rig_width(track->channel);
+    const double u = 1 - t;
+    double length = 0;
+    for (uint32_t i = 0; i < width; i++) {
+        const double a = (double)track->values[(size_t)k * width + i],
+                     b = (double)track->values[((size_t)k + 1) * width + i];
+        double c[2];
+        daft_rig_controls(track, k, i, c);
+        out[i] = u * u * u * a + 3 * u * t * (u * c[0] + t * c[1]) + t * t * t * b;
+        length += out[i] * out[i];
+    }
+    length = sqrt(length);
+    for (uint32_t i = 0; i < width && track->channel == DAFT_RIG_ROTATION; i++)
+        out[i] = length > 0 ? out[i] / length : i == 3;
+}
+
 static void sample(const daft_rig_track *track, double time, double out[4])
 {
-    const uint32_t at = key_before(track, time), next = at + 1 < track->count ? at + 1 : at;
+    const uint32_t at = key_before(track, time);
+    const uint32_t next = at + 1 < track->count && track->between != DAFT_RIG_STEP ? at + 1 : at;
     const int width = (int)daft_rig_width(track->channel);
     const double from = (double)track->times[at], to = (double)track->times[next];
     double a[4], b[4], t = to > from ? (time - from) / (to - from) : 0;
     t = t < 0 ? 0 : t > 1 ? 1 : t;
+    if (track->between == DAFT_RIG_CUBIC && next > at) {
+        spline(track, at, t, out);
+        return;
+    }
     for (int i = 0; i < width; i++) {
         a[i] = (double)track->values[(size_t)at * (size_t)width + (size_t)i];
         b[i] = (double)track->values[(size_t)next * (size_t)width + (size_t)i];

@@ -63,6 +63,11 @@ static void weight_range(const reach *r, uint32_t target, double *low, double *h
             *low = fmin(*low, (double)t->values[k]);
             *high = fmax(*high, (double)t->values[k]);
         }
+        for (uint32_t k = 0; t->between == DAFT_RIG_CUBIC && k + 1 < t->count; k++) {
+            double c[2];
+            daft_rig_controls(t, k, 0, c);
+            *low = fmin(*low, fmin(c[0], c[1])), *high = fmax(*high, fmax(c[0], c[1]));
+        }
     }
 }
 
@@ -103,6 +108,10 @@ static bool box_joints(reach *r)
 
 /* ---- how far points go ---- */
 
+#define HALF_TURN 3.1415927 /* radians, and a little */
+
+static double pow2(double x) { return x * x; }
+
 static double key_distance(const daft_rig_track *t, uint32_t key)
 {
     const uint32_t width = daft_rig_width(t->channel);
@@ -114,6 +123,36 @@ static double key_distance(const daft_rig_track *t, uint32_t key)
     }
     if (t->channel == DAFT_RIG_ROTATION) return 2 * daft_acos(fabs(dot)) + 1e-6; /* floats are unit to 1e-7 */
     return t->channel == DAFT_RIG_SCALE ? most : sqrt(square);
+}
+
+/* What a cubic's speed between two keys, times the time between them, is below: three times the longest leg of the
+ * polygon of its Bezier form, whose legs are the control points of its derivative. A rotation turns by at most twice
+ * the way of its quaternion over the least length that this has. */
+static double cubic_distance(const daft_rig_track *t, uint32_t key)
+{
+    const uint32_t width = daft_rig_width(t->channel);
+    double point[4][4] = {{0}}, most = 0, least = DBL_MAX;
+    for (uint32_t i = 0; i < width; i++) {
+        point[0][i] = (double)t->values[(size_t)key * width + i];
+        point[3][i] = (double)t->values[((size_t)key + 1) * width + i];
+        double c[2];
+        daft_rig_controls(t, key, i, c);
+        point[1][i] = c[0], point[2][i] = c[1];
+    }
+    for (int leg = 0; leg < 3; leg++) {
+        double square = 0;
+        for (int i = 0; i < 4; i++) square += pow2(point[leg + 1][i] - point[leg][i]);
+        most = fmax(most, 3 * sqrt(square));
+    }
+    if (t->channel != DAFT_RIG_ROTATION) return most;
+    double middle[4], length = 0;
+    for (int i = 0; i < 4; i++) middle[i] = point[0][i] + point[3][i], length += pow2(middle[i]);
+    for (int k = 0; k < 4; k++) {
+        double along = 0;
+        for (int i = 0; i < 4; i++) along += point[k][i] * middle[i];
+        least = fmin(least, along / sqrt(length));
+    }
+    return least > 0 ? 2 * most / least : INFINITY;
 }
 
 /* What the track does between two times. */
@@ -131,9 +170,13 @@ static double track_way(const daft_rig_track *t, double from, double to)
     for (uint32_t k = low; k + 1 < t->count && (double)t->times[k] < to; k++) {
         const double begin = fmax((double)t->times[k], from), end = fmin((double)t->times[k + 1], to);
         const double length = (double)t->times[k + 1] - (double)t->times[k];
-        if (end > begin) way += key_distance(t, k) * (length > 0 ? (end - begin) / length : 1);
+        if (t->between == DAFT_RIG_STEP)
+            way += (double)t->times[k + 1] <= to ? key_distance(t, k) : 0;
+        else if (end > begin)
+            way += (t->between == DAFT_RIG_CUBIC ? cubic_distance(t, k) : key_distance(t, k)) *
+                   (length > 0 ? (end - begin) / length : 1);
     }
-    return way;
+    return t->channel == DAFT_RIG_ROTATION ? fmin(way, HALF_TURN) : way; /* nothing is turned further */
 }
 
 static void find_motions(reach *r, double from, double to)

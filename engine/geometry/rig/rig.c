@@ -16,6 +16,7 @@ static void clip_free(const daft_allocator *allocator, daft_rig_clip *clip)
     for (uint32_t i = 0; i < clip->track_count; i++) {
         daft_release(allocator, clip->tracks[i].times);
         daft_release(allocator, clip->tracks[i].values);
+        daft_release(allocator, clip->tracks[i].tangents);
     }
     daft_release(allocator, clip->tracks);
     daft_release(allocator, clip->name);
@@ -54,7 +55,8 @@ size_t daft_rig_bytes(const daft_rig *rig)
     for (uint32_t i = 0; i < rig->clip_count; i++)
         for (uint32_t k = 0; k < rig->clips[i].track_count; k++) {
             const daft_rig_track *t = &rig->clips[i].tracks[k];
-            bytes += sizeof *t + (size_t)t->count * (1 + daft_rig_width(t->channel)) * sizeof(float);
+            const size_t values = t->tangents ? 3 : 1;
+            bytes += sizeof *t + (size_t)t->count * (1 + values * daft_rig_width(t->channel)) * sizeof(float);
         }
     return bytes;
 }

@@ -25,6 +25,7 @@ static void mesh_free(const daft_scene *scene, daft_mesh_item *item)
     daft_kdtree_free(item->kdtree);
     daft_trimesh_free(scene->allocator, &item->mesh);
     daft_rig_free(scene->allocator, item->rig);
+    daft_scenery_free(scene->allocator, &item->scenery);
     daft_opacity_free(scene, item);
     daft_release(scene->allocator, item->materials);
     daft_release(scene->allocator, item->path);
@@ -145,8 +146,8 @@ static bool mesh_read(daft_scene *scene, const char *path, daft_mesh_item *item,
     item->hash = daft_path_hash(path);
     daft_obj obj = {0};
     if (!daft_model_load(scene->allocator, scene->engine->files, path, &scene->engine->log, &obj, error)) return false;
-    item->mesh = obj.mesh, item->rig = obj.rig; /* from here on the item owns them */
-    memset(&obj.mesh, 0, sizeof obj.mesh), obj.rig = NULL;
+    item->mesh = obj.mesh, item->rig = obj.rig, item->scenery = obj.scenery; /* from here on the item owns them */
+    memset(&obj.mesh, 0, sizeof obj.mesh), obj.rig = NULL, obj.scenery = (daft_scenery){0};
     bool done = daft_scene_note_file(scene, path, error) && mesh_finish(scene, item, error);
     for (size_t i = 0; done && i < obj.slots.count && i < item->mesh.slot_count; i++) {
         daft_material material = daft_material_from_mtl(scene, &obj.slots.items[i], error);
@@ -272,8 +273,8 @@ static daft_mesh_item *mesh_replace(daft_scene *scene, daft_mesh mesh, daft_erro
         return NULL;
     }
     memcpy(item->materials, old->materials, daft_max_u(old->mesh.slot_count, 1) * sizeof *item->materials);
-    item->path = old->path, item->hash = old->hash;
-    old->path = NULL;
+    item->path = old->path, item->hash = old->hash, item->scenery = old->scenery;
+    old->path = NULL, old->scenery = (daft_scenery){0};
     item->opacity = old->opacity, old->opacity = NULL;
     *place = item;
     daft_retire(scene, &old->retired, free_retired_mesh);
@@ -321,7 +322,9 @@ bool daft_mesh_get_info(daft_scene *scene, daft_mesh mesh, daft_mesh_info *info,
                              .bytes = daft_trimesh_bytes(&item->mesh) + daft_bvh_bytes(item->bvh) +
                                       (item->kdtree ? daft_kdtree_bytes(item->kdtree) : 0) +
                                       (item->rig ? daft_rig_bytes(item->rig) : 0) + daft_opacity_bytes(item),
-                             .clip_count = item->rig ? item->rig->clip_count : 0};
+                             .clip_count = item->rig ? item->rig->clip_count : 0,
+                             .camera_count = item->scenery.camera_count,
+                             .light_count = item->scenery.light_count};
     return true;
 }
 

@@ -15,9 +15,10 @@ daft_material_def daft_default_material_def(void)
 /* Every texture that a material has. */
 const daft_texture *daft_material_textures(const daft_material_def *def, daft_texture out[DAFT_MATERIAL_TEXTURES])
 {
-    const daft_texture all[DAFT_MATERIAL_TEXTURES] = {
-        def->diffuse_map,   def->ambient_map,  def->specular_map, def->emission_map, def->shininess_map,
-        def->roughness_map, def->metallic_map, def->normal_map,   def->bump_map,     def->alpha_map};
+    const daft_texture all[DAFT_MATERIAL_TEXTURES] = {def->diffuse_map,  def->ambient_map,   def->specular_map,
+                                                      def->emission_map, def->shininess_map, def->roughness_map,
+                                                      def->metallic_map, def->normal_map,    def->bump_map,
+                                                      def->alpha_map,    def->reflection_map};
     memcpy(out, all, sizeof all);
     return out;
 }
@@ -27,19 +28,25 @@ static uint32_t texture_number(daft_texture texture)
     return texture.id ? daft_asset_index(texture.id) : DAFT_NO_TEXTURE;
 }
 
+static bool mirrors_image(const daft_material_def *def)
+{
+    return def->reflection_map.id && def->mirror > 0 && def->shading != DAFT_SHADING_PHYSICAL;
+}
+
 static void set_maps(const daft_scene *scene, const daft_material_def *def, daft_surface *s)
 {
     const daft_texture alpha = def->alpha_map.id ? def->alpha_map : def->diffuse_map;
-    const daft_texture maps[DAFT_MAPS] = {[DAFT_MAP_AMBIENT] = def->ambient_map,
-                                          [DAFT_MAP_SPECULAR] = def->specular_map,
-                                          [DAFT_MAP_EMISSION] = def->emission_map,
-                                          [DAFT_MAP_SHININESS] = def->shininess_map,
-                                          [DAFT_MAP_ROUGHNESS] = def->roughness_map,
-                                          [DAFT_MAP_METALLIC] = def->metallic_map,
-                                          [DAFT_MAP_NORMAL] = def->normal_map,
-                                          [DAFT_MAP_BUMP] = def->bump_map,
-                                          [DAFT_MAP_ALPHA] =
-                                              def->alpha_mode == DAFT_ALPHA_OPAQUE ? (daft_texture){0} : alpha};
+    const daft_texture maps[DAFT_MAPS] = {
+        [DAFT_MAP_AMBIENT] = def->ambient_map,
+        [DAFT_MAP_SPECULAR] = def->specular_map,
+        [DAFT_MAP_EMISSION] = def->emission_map,
+        [DAFT_MAP_SHININESS] = def->shininess_map,
+        [DAFT_MAP_ROUGHNESS] = def->roughness_map,
+        [DAFT_MAP_METALLIC] = def->metallic_map,
+        [DAFT_MAP_NORMAL] = def->normal_map,
+        [DAFT_MAP_BUMP] = def->bump_map,
+        [DAFT_MAP_ALPHA] = def->alpha_mode == DAFT_ALPHA_OPAQUE ? (daft_texture){0} : alpha,
+        [DAFT_MAP_REFLECTION] = mirrors_image(def) ? def->reflection_map : (daft_texture){0}};
     bool some = false;
     for (int i = 0; i < DAFT_MAPS; i++) {
         s->maps[i] = texture_number(maps[i]);
@@ -50,6 +57,7 @@ static void set_maps(const daft_scene *scene, const daft_material_def *def, daft
     s->alpha_channel = own || !def->alpha_map.id ? 3 : 1;
     if (some) s->traits |= DAFT_TRAIT_MAPS | DAFT_TRAIT_VARIES;
     if (def->normal_map.id || def->bump_map.id) s->traits |= DAFT_TRAIT_TANGENT;
+    if (mirrors_image(def)) s->traits |= DAFT_TRAIT_AROUND, s->reflection = s->mirror, s->mirror = daft_v3(0, 0, 0);
 }
 
 /* Its alpha is 1 wherever it is. */
@@ -275,7 +283,7 @@ static daft_texture *map_field(daft_material_def *def, int use)
         [DAFT_MTL_EMISSION] = &def->emission_map, [DAFT_MTL_SHININESS] = &def->shininess_map,
         [DAFT_MTL_ALPHA] = &def->alpha_map,       [DAFT_MTL_BUMP] = &def->bump_map,
         [DAFT_MTL_NORMAL] = &def->normal_map,     [DAFT_MTL_ROUGHNESS] = &def->roughness_map,
-        [DAFT_MTL_METALLIC] = &def->metallic_map};
+        [DAFT_MTL_METALLIC] = &def->metallic_map, [DAFT_MTL_REFLECTION] = &def->reflection_map};
     return fields[use];
 }
 

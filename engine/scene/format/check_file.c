@@ -127,6 +127,17 @@ static void tell_clips(const daft_problems *problems, const char *path, const da
                         rig->clips[i].name, rig->clips[i].duration, rig->clips[i].track_count);
 }
 
+static void tell_scenery(const daft_problems *problems, const char *path, const daft_scenery *all)
+{
+    static const char *const KINDS[] = {
+        [DAFT_LIGHT_POINT] = "point", [DAFT_LIGHT_SUN] = "sun", [DAFT_LIGHT_SPOT] = "spot"};
+    for (uint32_t i = 0; i < all->camera_count; i++)
+        daft_problem_at(problems, DAFT_SEVERITY_NOTE, DAFT_OK, path, 0, 0, "camera %u: '%s'", i, all->cameras[i].name);
+    for (uint32_t i = 0; i < all->light_count; i++)
+        daft_problem_at(problems, DAFT_SEVERITY_NOTE, DAFT_OK, path, 0, 0, "light '%s': %s", all->lights[i].name,
+                        KINDS[all->lights[i].kind]);
+}
+
 static bool check_model(daft_engine *engine, const char *path, const daft_problems *problems, daft_error *error)
 {
     daft_obj model;
@@ -145,6 +156,7 @@ static bool check_model(daft_engine *engine, const char *path, const daft_proble
         daft_problem_at(problems, DAFT_SEVERITY_NOTE, DAFT_ERROR_ARGUMENT, path, 0, 0,
                         "%u edges are open: the mesh is not closed", report.open_edges);
     tell_clips(problems, path, model.rig);
+    tell_scenery(problems, path, &model.scenery);
     daft_obj_free(&engine->allocator, &model);
     return done;
 }

@@ -170,6 +170,10 @@ static void check_whole(const checker *c)
         const daft_scene_item *item = &c->items[i];
         cameras += item->kind == DAFT_ITEM_CAMERA;
         lights += item->kind == DAFT_ITEM_LIGHT && !is_black(item->light.color);
+        if (item->kind == DAFT_ITEM_MESH) {
+            const daft_scenery *own = &c->scene->assets.meshes[daft_asset_index(item->entity.mesh.id)]->scenery;
+            cameras += item->cameras ? own->camera_count : 0, lights += item->lights ? own->light_count : 0;
+        }
         entities += item->kind == DAFT_ITEM_SPHERE || item->kind == DAFT_ITEM_MESH;
         if (item->kind == DAFT_ITEM_SKYBOX && skies++ > 0)
             tell(c, DAFT_SEVERITY_WARNING, item, "a second skybox: it takes the place of the one before");

@@ -150,7 +150,8 @@ static const char *form_text(const form *f, char *buffer, size_t size)
             (size_t)snprintf(buffer + used, size - used, f->values[i].optional ? " [%s" : " %s", f->values[i].names);
     }
     for (; open > 0; open--) used += (size_t)snprintf(buffer + used, size - used, "]");
-    if (f->kind == DAFT_ITEM_MESH) snprintf(buffer + used, size - used, " [clip name] [material name]");
+    if (f->kind == DAFT_ITEM_MESH)
+        snprintf(buffer + used, size - used, " [clip name] [material name] [lights] [cameras]");
     if (f->kind == DAFT_ITEM_MATERIAL) snprintf(buffer + used, size - used, " [option=value …]");
     return buffer;
 }
@@ -201,15 +202,6 @@ static int next_column(reader *read)
     return (int)(read->text->at - read->text->line_start) + 1;
 }
 
-/* Whether the word comes next, as a word. */
-static bool next_is(daft_scene_text *text, const char *word)
-{
-    const size_t length = strlen(word);
-    if (daft_scene_text_ends(text) || (size_t)(text->end - text->at) < length || memcmp(text->at, word, length) != 0)
-        return false;
-    return text->at + length == text->end || strchr(" \t\r\n#", text->at[length]);
-}
-
 /* The word as a string of the arena; NULL: no memory. */
 static char *keep_word(reader *read, const char *text, size_t length)
 {
@@ -258,7 +250,11 @@ static bool read_path(reader *read, const char *of, int face)
 static bool read_own_name(reader *read)
 {
     daft_token token;
-    return daft_scene_text_word(read->text, "the name of the material", &token) && keep_material(read, token);
+    if (!daft_scene_text_word(read->text, "the name of the material", &token)) return false;
+    if (token.text[token.length - 1] == '{')
+        return daft_scene_text_fail(read->text, token.column + (int)token.length - 1,
+                                    "expected a name and a blank before the {");
+    return keep_material(read, token);
 }
 
 static bool read_stops(reader *read)
@@ -267,7 +263,7 @@ static bool read_stops(reader *read)
     char range[64];
     const daft_field *ev = daft_field_find(DAFT_STRUCT_EXPOSURE, "ev");
     double stops;
-    if (next_is(read->text, "auto")) {
+    if (daft_scene_text_next_is(read->text, "auto")) {
         daft_scene_text_word(read->text, "auto", &token);
         read->out->exposure.automatic = true;
         return true;
@@ -457,7 +453,7 @@ static bool keep_map(reader *read, const daft_field *field, daft_token path)
         read->out->maps = map;
     }
     map->path = keep_path(read, path);
-    map->column = path.column;
+    map->line = read->text->line, map->column = path.column;
     return map->path != NULL;
 }
 
@@ -507,19 +503,63 @@ static bool read_material(reader *read)
     return daft_scene_text_word(read->text, "the name of a material", &token) && keep_material(read, token);
 }
 
-/* The words that follow a mesh's numbers. */
-static bool word_follows(const reader *read, const char *word)
+static bool read_lights(reader *read)
 {
-    return read->form->kind == DAFT_ITEM_MESH && next_is(read->text, word);
+    daft_token token;
+    return read->out->lights = daft_scene_text_word(read->text, "lights", &token);
+}
+
+static bool read_cameras(reader *read)
+{
+    daft_token token;
+    return read->out->cameras = daft_scene_text_word(read->text, "cameras", &token);
+}
+
+typedef bool word_reader(reader *read);
+
+/* What reads the word that may follow a mesh's numbers, if one does; or NULL. */
+static word_reader *word_that_follows(const reader *read)
+{
+    static const struct {
+        const char *word;
+        word_reader *read;
+    } WORDS[] = {{"clip", read_clip}, {"material", read_material}, {"lights", read_lights}, {"cameras", read_cameras}};
+    for (size_t i = 0; read->form->kind == DAFT_ITEM_MESH && i < DAFT_COUNT_OF(WORDS); i++)
+        if (daft_scene_text_next_is(read->text, WORDS[i].word)) return WORDS[i].read;
+    return NULL;
+}
+
+/* "{", options on as many lines as they like, "}". */
+static bool read_block(reader *read)
+{
+    daft_scene_text *text = read->text;
+    daft_token token;
+    text->block = daft_scene_text_word(text, "{", &token);
+    while (daft_scene_text_line(text)) {
+        if (daft_scene_text_next_is(text, "}")) {
+            text->block = false;
+            return daft_scene_text_word(text, "}", &token);
+        }
+        if (option_length(text) > 0) {
+            if (!read_option(read)) return false;
+        } else if (daft_scene_text_word(text, "an option", &token)) {
+            return daft_scene_text_fail(text, token.column, "expected an option, name=value, or }, but '%s' came",
+                                        daft_token_show(token).text);
+        } else {
+            return false;
+        }
+    }
+    return daft_scene_text_fail(text, next_column(read), "the file ends, but the { of line %d is not closed by a }",
+                                read->out->line);
 }
 
 static bool read_options(reader *read)
 {
+    if (read->form->kind == DAFT_ITEM_MATERIAL && daft_scene_text_next_is(read->text, "{")) return read_block(read);
     for (;;) {
-        const bool clip = word_follows(read, "clip"), material = word_follows(read, "material");
-        if (!clip && !material && (read->form->fields == DAFT_STRUCT_COUNT || option_length(read->text) == 0))
-            return true;
-        if (!(clip ? read_clip(read) : material ? read_material(read) : read_option(read))) return false;
+        word_reader *word = word_that_follows(read);
+        if (!word && (read->form->fields == DAFT_STRUCT_COUNT || option_length(read->text) == 0)) return true;
+        if (!(word ? word : read_option)(read)) return false;
     }
 }
 
@@ -557,8 +597,8 @@ static bool read_values(reader *read)
     size_t i = 0;
     for (; i < count; i++) {
         const value *v = &read->form->values[i];
-        if (v->optional && (daft_scene_text_ends(read->text) || option_length(read->text) > 0 ||
-                            word_follows(read, "clip") || word_follows(read, "material")))
+        if (v->optional &&
+            (daft_scene_text_ends(read->text) || option_length(read->text) > 0 || word_that_follows(read)))
             break;
         if (!read_value(read, v)) return false;
     }
@@ -587,7 +627,7 @@ static const form *form_of(daft_scene_text *text, daft_token word)
         const char *known = FORMS[i].word;
         if (strncmp(known, word.text, word.length) != 0) continue;
         if (known[word.length] == 0) found = &FORMS[i];
-        if (known[word.length] != ' ' || !next_is(text, known + word.length + 1)) continue;
+        if (known[word.length] != ' ' || !daft_scene_text_next_is(text, known + word.length + 1)) continue;
         daft_scene_text_word(text, "an item", &word);
         return &FORMS[i];
     }

@@ -28,7 +28,7 @@ typedef enum daft_scene_item_kind {
 typedef struct daft_scene_map {
     const daft_field *field; /* of daft_material_def */
     const char *path;        /* joined to the source's folder */
-    int column;
+    int line, column;
     struct daft_scene_map *next;
 } daft_scene_map;
 
@@ -41,6 +41,7 @@ typedef struct daft_scene_item {
     const char *name;   /* of an entity; or NULL */
     const char *clip;   /* of a mesh, that it plays; or NULL */
     int clip_column;
+    bool lights, cameras; /* of a mesh: those of its file are the scene's, too */
     const char *material; /* a material's own name; of a mesh or sphere, what it may have named; or NULL */
     int material_column;
     daft_material made;      /* of a material, once it is loaded */
@@ -66,7 +67,8 @@ typedef struct daft_scene_item {
     };
 } daft_scene_item;
 
-/* Reads the line's item with its values and options, up to the end of the line. Paths are kept in the arena. */
+/* Reads the line's item with its values and options, up to the end of the line, or of the one with the } that closes a
+ * block. Paths are kept in the arena. */
 bool daft_scene_item_read(daft_scene_text *text, daft_arena *arena, daft_scene_item *out);
 
 /* The form of the item of this index, "camera x y z [pitch yaw [fov]]", in `buffer`; NULL beyond the last. */

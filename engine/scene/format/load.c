@@ -81,7 +81,7 @@ static bool read_lines(loader *load, daft_scene_text *text, const source *from)
     while (daft_scene_text_line(text)) {
         if (!read_line(load, text, from)) {
             if (!goes_on(load)) return false;
-            daft_scene_text_skip_line(text);
+            daft_scene_text_skip_item(text);
         }
         any = true;
     }
@@ -162,7 +162,7 @@ static bool load_images(loader *load, item *made)
         daft_texture *texture = (daft_texture *)(void *)((char *)&made->def + map->field->offset);
         *texture = daft_texture_load(load->scene, map->path, &load->error);
         if (texture->id) continue;
-        made->column = map->column;
+        made->line = map->line, made->column = map->column;
         return false;
     }
     return true;
@@ -261,6 +261,13 @@ static bool load_asset(loader *load, item *named)
     return true;
 }
 
+/* What the file of a mesh has that its line asks for; NULL: nothing. */
+static const daft_scenery *scenery_of(const daft_scene *scene, const item *made)
+{
+    if (made->kind != DAFT_ITEM_MESH || !(made->lights || made->cameras)) return NULL;
+    return &scene->assets.meshes[daft_asset_index(made->entity.mesh.id)]->scenery;
+}
+
 /* Last of all, since it changes what lies behind the scene's names. */
 static bool reserve_names(loader *load)
 {
@@ -280,6 +287,9 @@ static bool reserve(loader *load)
         checkpoints += load->items[i].kind == DAFT_ITEM_PATH;
         lights += load->items[i].kind == DAFT_ITEM_LIGHT;
         entities += load->items[i].kind == DAFT_ITEM_SPHERE || load->items[i].kind == DAFT_ITEM_MESH;
+        const daft_scenery *own = scenery_of(load->scene, &load->items[i]);
+        if (own && load->items[i].cameras) cameras += own->camera_count;
+        if (own && load->items[i].lights) lights += own->light_count;
     }
     return daft_cameras_reserve(load->scene, cameras, &load->error) &&
            daft_path_reserve(load->scene, checkpoints, &load->error) &&
@@ -293,6 +303,21 @@ static void insert_entity(daft_scene *scene, item *made)
     if (made->name) daft_name_insert(scene, entity);
     if (made->animated) daft_animated_attach(scene, daft_handle_index(entity.id), made->animated);
     made->animated = NULL;
+}
+
+static void insert_scenery(daft_scene *scene, const item *made)
+{
+    const daft_scenery *own = scenery_of(scene, made);
+    const daft_transform transform = {made->entity.position, made->entity.rotation, made->entity.scale};
+    const daft_daffine at = daft_daffine_from(&transform);
+    for (uint32_t i = 0; own && made->cameras && i < own->camera_count; i++) {
+        const daft_camera camera = daft_scenery_camera(&own->cameras[i], &at);
+        daft_camera_insert(scene, &camera);
+    }
+    for (uint32_t i = 0; own && made->lights && i < own->light_count; i++) {
+        const daft_light_def light = daft_scenery_light(&own->lights[i], &at);
+        daft_light_insert(scene, &light);
+    }
 }
 
 static void set_sky_light(daft_scene *scene, float strength, float occlusion)
@@ -320,7 +345,10 @@ static void commit(loader *load)
         case DAFT_ITEM_SKY: daft_scene_set_sky_gradient(scene, made->zenith, made->horizon); break;
         case DAFT_ITEM_QUALITY: scene->quality = made->quality; break;
         case DAFT_ITEM_SPHERE:
-        case DAFT_ITEM_MESH: insert_entity(scene, made); break;
+        case DAFT_ITEM_MESH:
+            insert_scenery(scene, made);
+            insert_entity(scene, made);
+            break;
         case DAFT_ITEM_SKYBOX:
         case DAFT_ITEM_MATERIAL:
         case DAFT_ITEM_INCLUDE:

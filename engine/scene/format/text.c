@@ -28,8 +28,21 @@ bool daft_scene_text_ends(daft_scene_text *text)
     return text->at == text->end || *text->at == '\n' || *text->at == '#';
 }
 
-void daft_scene_text_skip_line(daft_scene_text *text)
+bool daft_scene_text_next_is(daft_scene_text *text, const char *word)
 {
+    const size_t length = strlen(word);
+    if (daft_scene_text_ends(text) || (size_t)(text->end - text->at) < length || memcmp(text->at, word, length) != 0)
+        return false;
+    return text->at + length == text->end || strchr(" \t\r\n#", text->at[length]);
+}
+
+void daft_scene_text_skip_item(daft_scene_text *text)
+{
+    while (text->block && daft_scene_text_line(text)) {
+        text->block = !daft_scene_text_next_is(text, "}");
+        while (text->at < text->end && !is_blank(*text->at) && *text->at != '\n') text->at++;
+    }
+    text->block = false;
     const char *newline = memchr(text->at, '\n', (size_t)(text->end - text->at));
     text->at = newline ? newline : text->end;
 }

@@ -10,6 +10,7 @@ typedef struct daft_scene_text {
     const char *end;
     const char *line_start, *at;
     int line;
+    bool block;        /* what is read stands between { and } */
     const char *usage; /* what the current item looks like, for messages */
     daft_error *error;
 } daft_scene_text;
@@ -23,8 +24,10 @@ typedef struct daft_token {
 daft_scene_text daft_scene_text_open(const char *path, const char *text, size_t size, daft_error *error);
 /* Goes to the next line that has something on it. False at the end of the file. */
 bool daft_scene_text_line(daft_scene_text *text);
-/* Leaves what is left of the line unread. */
-void daft_scene_text_skip_line(daft_scene_text *text);
+/* Leaves what is left of the line unread, and of the block. */
+void daft_scene_text_skip_item(daft_scene_text *text);
+/* Whether the word comes next, as a word. */
+bool daft_scene_text_next_is(daft_scene_text *text, const char *word);
 /* Whether nothing but blanks and a comment is left on the line. */
 bool daft_scene_text_ends(daft_scene_text *text);
 /* A word up to the next blank, or what stands between quotes. `what` names it in messages. */

@@ -120,6 +120,31 @@ static int checkpoints(lua_State *L, host *h)
     return 1;
 }
 
+/* A list, and the same by their names. */
+static int cameras(lua_State *L, host *h)
+{
+    const daft_entity entity = api_entity_at(L, h, 1, "entity");
+    daft_mesh mesh;
+    daft_mesh_info info;
+    daft_mesh_camera one;
+    daft_transform at;
+    daft_error error;
+    if (!daft_entity_get_mesh(h->def.scene, entity, &mesh, &error) ||
+        !daft_mesh_get_info(h->def.scene, mesh, &info, &error) ||
+        !daft_entity_get_world_transform(h->def.scene, entity, &at, &error))
+        api_engine_error(L, h, &error);
+    lua_newtable(L);
+    for (uint32_t i = 0; i < info.camera_count; i++) {
+        api_poll(L, i);
+        if (!daft_mesh_get_camera(h->def.scene, mesh, i, &at, &one, &error)) api_engine_error(L, h, &error);
+        api_push_struct(L, DAFT_STRUCT_CAMERA, &one.camera);
+        lua_pushvalue(L, -1);
+        lua_setfield(L, -3, one.name);
+        lua_rawseti(L, -2, (lua_Integer)i + 1);
+    }
+    return 1;
+}
+
 static const api_function FUNCTIONS[] = {
     {"camera.look", "{from =, at =, fov =, teleport =}",
      "From a place to a place; either may be an entity: where it is now. fov is horizontal, in radians.\n"
@@ -131,6 +156,9 @@ static const api_function FUNCTIONS[] = {
      "Where the camera is, as of daft.camera.get, so many seconds into a smooth path through a list of checkpoints.\n"
      "pace: \"timed\", \"constant\" or \"eased\".",
      along, 0},
+    {"entity:cameras", "() -> table",
+     "The cameras that its mesh's file has, where it stands now, for daft.camera.set: by their numbers and names.",
+     cameras, 0},
     {"camera.checkpoints", "() -> list", "The checkpoints of the `path` items of scene files.", checkpoints, 0},
 };
 

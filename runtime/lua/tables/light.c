@@ -52,6 +52,31 @@ static int point(lua_State *L, host *h) { return create(L, h, DAFT_LIGHT_POINT);
 
 static int spot(lua_State *L, host *h) { return create(L, h, DAFT_LIGHT_SPOT); }
 
+/* The lights of an entity's file where the entity stands. */
+static int add_lights(lua_State *L, host *h)
+{
+    const daft_entity entity = api_entity_at(L, h, 1, "entity");
+    daft_mesh mesh;
+    daft_mesh_info info;
+    daft_mesh_light one;
+    daft_transform at;
+    daft_error error;
+    if (!daft_entity_get_mesh(h->def.scene, entity, &mesh, &error) ||
+        !daft_mesh_get_info(h->def.scene, mesh, &info, &error) ||
+        !daft_entity_get_world_transform(h->def.scene, entity, &at, &error))
+        api_engine_error(L, h, &error);
+    lua_newtable(L);
+    for (uint32_t i = 0; i < info.light_count; i++) {
+        api_poll(L, i);
+        if (!daft_mesh_get_light(h->def.scene, mesh, i, &at, &one, &error)) api_engine_error(L, h, &error);
+        const daft_light light = daft_light_create(h->def.scene, &one.light, &error);
+        if (light.id == 0) api_engine_error(L, h, &error);
+        api_new_handle(L, API_LIGHT, light.id);
+        lua_rawseti(L, -2, (lua_Integer)i + 1);
+    }
+    return 1;
+}
+
 static daft_light_def get(lua_State *L, host *h)
 {
     daft_light_def def;
@@ -201,9 +226,14 @@ static int sky_light(lua_State *L, host *h)
 
 static const api_function FUNCTIONS[] = {
     {"light.sun", "{...} -> light", "Light from infinitely far.", sun, API_CHANGES},
-    {"light.point", "{...} -> light", "Light from a point, equally bright at any distance unless it has a range.",
-     point, API_CHANGES},
+    {"light.point", "{...} -> light",
+     "Light from a point, equally bright at any distance unless it has a range or is inverse_square.", point,
+     API_CHANGES},
     {"light.spot", "{...} -> light", "A point light that shines into a cone.", spot, API_CHANGES},
+    {"entity:add_lights", "() -> list",
+     "Makes lights of those that its mesh's file has, where it stands now, and lists them. Those of glTF have their\n"
+     "candela or lux / pi as colour: bright ones need daft.exposure.",
+     add_lights, API_CHANGES},
     {"light:set", "{...}", "Changes what the table names.", set, API_CHANGES},
     {"light:position", "(x, y, z)", "Moves a point light or a spot.", set_position, API_CHANGES},
     {"light:direction", "(x, y, z)", "Turns a sun or a spot.", set_direction, API_CHANGES},

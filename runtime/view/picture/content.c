@@ -62,11 +62,9 @@ static bool open_scene(content *c, daft_engine *engine, long camera, double aspe
 {
     c->scene = daft_scene_create(engine, error);
     if (!c->scene) return false;
-    if (!showcase_is_mesh(c->path))
-        return daft_scene_load(c->scene, c->path, error) && measure(c, error) &&
-               choose_camera(c, camera, aspect, error);
-    if (camera > 0) return fail(error, DAFT_ERROR_ARGUMENT, "--camera %ld: a mesh by itself has one camera, 0", camera);
-    return showcase_mesh(c->scene, c->path, aspect, &c->start, error) && measure(c, error);
+    return (showcase_is_mesh(c->path) ? showcase_mesh(c->scene, c->path, aspect, error)
+                                      : daft_scene_load(c->scene, c->path, error)) &&
+           measure(c, error) && choose_camera(c, camera, aspect, error);
 }
 
 bool content_open(content *out, daft_engine *engine, const char *path, long camera, double aspect, daft_error *error)

@@ -37,6 +37,25 @@ local function animation()
     figure:destroy()
 end
 
+-- A file's lights and cameras are there where they are asked for, where the entity stands.
+local function scenery()
+    expect_error("the entity shows no mesh", floor.cameras, floor)
+    local good, mesh = pcall(daft.mesh, "lit.gltf")
+    if not good then return end -- this build has no Assimp
+    local triangle = daft.entity { mesh = mesh, position = { 10, 0, 0 } }
+    local eye = triangle:cameras().eye
+    assert(#triangle:cameras() == 1 and near(eye.position[1], 10) and near(eye.position[3], 5))
+    assert(near(eye.yaw, -math.pi / 2) and near(eye.pitch, 0) and near(math.tan(eye.fov / 2), 2 * math.tan(0.4)))
+    local before = daft.camera.get()
+    daft.camera.set(eye)
+    daft.camera.set(before)
+    local lamps = triangle:add_lights()
+    assert(#lamps == 1 and lamps[1]:valid())
+    lamps[1]:set { inverse_square = false }
+    lamps[1]:destroy()
+    triangle:destroy()
+end
+
 local function entities()
     floor = daft.entity { box = { 20, 1, 20 }, position = { 0, -0.5, 0 }, material = "checker", body = "static", name = "floor" }
     ball = daft.entity { sphere = 0.5, position = { 0, 0.5, 0 }, mass = 2, body = "dynamic", material = { mirror = 0.8 },
@@ -270,7 +289,7 @@ local function messages()
 end
 
 function daft.load()
-    entities() animation() rotations() lights() cameras() materials() rays() queries() bodies() messages()
+    entities() animation() scenery() rotations() lights() cameras() materials() rays() queries() bodies() messages()
     assert(daft.tick() == 0 and daft.time() == 0)
     assert(daft.height() == 720 and daft.width() > 300)
     font = daft.font("fonts/daft.ttf")

@@ -185,11 +185,13 @@ static void maps_are_read(void **unused)
     const daft_mtl *m = read_text("newmtl a\nmap_Ka ka.png\nmap_Kd -s 2 3 -o .5 .25 -clamp on kd.png\nmap_Ks ks.png\n"
                                   "map_Ke ke.png\nmap_Ns -imfchan r ns.png\nmap_d d.png\nmap_Bump -bm 2.5 b.png\n"
                                   "norm n.png\nmap_Pr -mm .25 .5 pr.png\nmap_Pm -texres 256 pm.png\nPr .5\nPm .75\n"
+                                  "refl -type sphere -s 9 9 -mm 0 .5 r.png\nrefl -type cube_top top.png\n"
                                   "newmtl b\nKd 1 1 1\n");
     static const char *const names[DAFT_MTL_MAPS] = {
         [DAFT_MTL_AMBIENT] = "ka.png",   [DAFT_MTL_SPECULAR] = "ks.png",  [DAFT_MTL_EMISSION] = "ke.png",
         [DAFT_MTL_SHININESS] = "ns.png", [DAFT_MTL_ALPHA] = "d.png",      [DAFT_MTL_BUMP] = "b.png",
-        [DAFT_MTL_NORMAL] = "n.png",     [DAFT_MTL_ROUGHNESS] = "pr.png", [DAFT_MTL_METALLIC] = "pm.png"};
+        [DAFT_MTL_NORMAL] = "n.png",     [DAFT_MTL_ROUGHNESS] = "pr.png", [DAFT_MTL_METALLIC] = "pm.png",
+        [DAFT_MTL_REFLECTION] = "r.png"};
     assert_int_equal(warnings.count, 0);
     assert_non_null(m->maps);
     for (int i = 0; i < DAFT_MTL_MAPS; i++) assert_string_equal(m->maps->map[i].path, test_path(names[i]));

@@ -192,6 +192,7 @@ static void lights_end_where_they_say(void **unused)
         def.position = (daft_dvec3){3 * r[0] - 1.5, 0.1 + 1.5 * r[1], 4 * r[2] - 2};
         def.direction = (daft_vec3){(float)r[3] - 0.5f, (float)(-0.2 - r[4]), (float)r[5] - 0.5f};
         def.range = i % 3 == 2 ? 0 : (float)(0.3 + r[6]);
+        def.inverse_square = i % 5 == 1;
         def.outer_angle = (float)(0.1 + 1.8 * r[7] * r[7]), def.inner_angle = 0.6f * def.outer_angle;
         def.color = (daft_vec3){0.5f, 0.5f, 0.5f};
         defs[i] = def;
@@ -207,7 +208,9 @@ static void lights_end_where_they_say(void **unused)
             const double l[3] = {d->position.x - p.x, d->position.y, d->position.z - p.z};
             const double length = sqrt(l[0] * l[0] + l[1] * l[1] + l[2] * l[2]);
             double light = 0.5 * l[1] / length;
-            if (d->range > 0) light *= pow(fmax(0, 1 - pow(length / (double)d->range, 2)), 2);
+            const double far = d->range > 0 ? length / (double)d->range : 0;
+            light *=
+                d->inverse_square ? fmax(0, 1 - pow(far, 4)) / (length * length) : pow(fmax(0, 1 - pow(far, 2)), 2);
             if (d->kind == DAFT_LIGHT_SPOT) {
                 const double a[3] = {(double)d->direction.x, (double)d->direction.y, (double)d->direction.z};
                 const double size = sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);

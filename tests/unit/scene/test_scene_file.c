@@ -272,6 +272,24 @@ static void materials_have_names(void **state)
     assert_true(def.shading == DAFT_SHADING_PHYSICAL && def.metallic == 1 && def.roughness == 0.25f);
 }
 
+/* material NAME { … } over several lines says what one line does. */
+static void materials_have_blocks(void **state)
+{
+    fixture *f = *state;
+    load_good(f, "material line color=0.9,0.1,0.2 emission=0.5 texture=sky.tga mirror=0.25\n"
+                 "material block { # red\n  color=0.9,0.1,0.2\n\n  emission=0.5 texture=sky.tga\t# a comment\r\n"
+                 "mirror=0.25\n}  # done\nmaterial short { mirror=0.5 }\nmaterial bare {\n}\n"
+                 "sphere 0 0 0 1 line\nsphere 3 0 0 1 block\nsphere 6 0 0 1 short\nsphere 9 0 0 1 bare\n");
+    daft_material_def line, block;
+    assert_true(daft_material_get(f->scene, entity(f, 0)->def.material, &line, NULL));
+    assert_true(daft_material_get(f->scene, entity(f, 1)->def.material, &block, NULL));
+    assert_memory_equal(&line, &block, sizeof line);
+    assert_true(daft_material_get(f->scene, entity(f, 2)->def.material, &block, NULL));
+    assert_true(block.mirror == 0.5f);
+    assert_true(daft_material_get(f->scene, entity(f, 3)->def.material, &block, NULL));
+    assert_true(block.mirror == 0);
+}
+
 /* Every field of a material can be said in a .scene file as in Lua. */
 static void materials_have_all_fields(void **state)
 {
@@ -408,6 +426,15 @@ static const struct {
     {"material m alpha=some\n", 1, 12, "alpha is 'some'; it must be opaque, mask or blend"},
     {"material m texture=no.png\n", 1, 20, "no.png"},
     {"material m texture=\n", 1, 20, "the path of texture is empty"},
+    {"material m {\n  colr=1,0,0\n}\n", 2, 3, "unknown option 'colr': did you mean 'color'?"},
+    {"material m {\n\n  mirror=1 mirror=2\n}\n", 3, 12, "mirror is 2; it must be between 0 and 1"},
+    {"material m { texture=sky.tga\n bump_texture=no.png }\n", 2, 15, "no.png"},
+    {"material m {\n  color 1 0 0\n}\n", 2, 3, "expected an option, name=value, or }, but 'color' came"},
+    {"material m {\n  mirror=1\n", 3, 1, "the file ends, but the { of line 1 is not closed by a }"},
+    {"material m {\n} mirror=1\n", 2, 3, "unexpected 'mirror=1'"},
+    {"material m{\n}\n", 1, 11, "expected a name and a blank before the {"},
+    {"material {\n}\n", 1, 10, "expected a name and a blank before the {"},
+    {"mesh t.obj 0 0 0 {\n}\n", 1, 18, "expected scale (a number), '{' came"},
     {"mesh t.obj 0 0 0 material ruby\n", 1, 27, "there is no material 'ruby'"},
     {"mesh t.obj 0 0 0 material\n", 1, 26, "expected the name of a material"},
     {"material a\nmesh t.obj 0 0 0 material a material a\n", 2, 29, "there is a material already"},
@@ -633,6 +660,7 @@ int main(void)
         TEST(every_form_is_in_the_manual),
         TEST(materials_keep_their_meaning),
         TEST(materials_have_names),
+        TEST(materials_have_blocks),
         TEST(materials_have_all_fields),
         TEST(glass_keeps_its_meaning),
         TEST(includes_are_relative_to_their_file),

@@ -30,6 +30,8 @@ static const daft_field ROWS[] = {
         .doc = "Half the angle that its disc spans, for soft shadows; 0: they are sharp"),
     ROW(range, .unit = "m", FROM(0, 1e6), .kinds = POINT | SPOT, .lua = "range", .scene = "range",
         .doc = "Where its light ends, having faded all the way; 0: it is equally bright at any distance"),
+    ROW(inverse_square, .kinds = POINT | SPOT, .lua = "inverse_square", .scene = "inverse_square",
+        .doc = "Its light falls with the square of the distance: its colour is what it has at a metre"),
 };
 
 const daft_field_list daft_light_fields = DAFT_FIELD_LIST(daft_light_def, ROWS);

@@ -72,6 +72,8 @@ static const daft_field ROWS[] = {
         .doc = "Where a mask has holes"),
     ROW(alpha_map, .lua = "alpha_texture", .scene = "alpha_texture",
         .doc = "Its alpha or, where it has none, its green is the alpha; none: the alpha of texture"),
+    ROW(reflection_map, .lua = "reflection_texture", .scene = "reflection_texture",
+        .doc = "What it mirrors in place of its surroundings: an image all around, as of a sky; phong shading alone"),
 };
 
 const daft_field_list daft_material_fields = DAFT_FIELD_LIST(daft_material_def, ROWS);

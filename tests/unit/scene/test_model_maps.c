@@ -1,0 +1,362 @@
+/* Maps of model files as they are drawn: what lies beyond a texture's edges, holes where alpha is below glTF's cutoff,
+ * roughness, metal and emission from images, and materials of OBJ files from the asset roots. Each picture is compared
+ * with what is drawn without a map, or with the texel that a formula names. */
+#include "scene_fixture.h"
+
+#include <stdlib.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { SIDE = 64, TEXELS = 4 };
+
+static char folder[64];
+
+static int open_folder(void **state)
+{
+    snprintf(folder, sizeof folder, "/tmp/daft-maps-XXXXXX");
+    return mkdtemp(folder) ? set_up(state) : -1;
+}
+
+static int close_folder(void **state)
+{
+    char command[100];
+    snprintf(command, sizeof command, "rm -r %s", folder);
+    return tear_down(state) | system(command);
+}
+
+static const char *put(const char *name, const void *bytes, size_t size)
+{
+    static char path[200];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    assert_true(daft_write_file(path, bytes, size, NULL));
+    return path;
+}
+
+static const char *put_text(const char *name, const char *text) { return put(name, text, strlen(text)); }
+
+/* B, G, R, A, the top row first. */
+static const char *put_picture(const char *name, int width, int height, const uint8_t *bytes)
+{
+    static uint8_t tga[18 + 4 * 64 * 32];
+    const uint8_t header[18] = {[2] = 2, [12] = (uint8_t)width, [14] = (uint8_t)height, [16] = 32, [17] = 0x28};
+    memcpy(tga, header, sizeof header);
+    const size_t size = 4 * (size_t)width * (size_t)height;
+    memcpy(tga + 18, bytes, size);
+    return put(name, tga, 18 + size);
+}
+
+/* From (0, 0, 2) along -z: at z = 0, pixel x is at 4 (x + 0.5) / SIDE - 2 to the right. */
+static void draw(fixture *f, daft_texture_filter filter, int mirror_depth, uint8_t *out)
+{
+    daft_view view = daft_default_view();
+    daft_error error;
+    daft_image *image = daft_image_create(f->engine, SIDE, SIDE, NULL);
+    view.camera = daft_camera_look_at(daft_dv3(0, 0, 2), daft_dv3(0, 0, 0), (float)(DAFT_PI / 2));
+    view.quality.texture_filter = filter, view.quality.edge_samples = 0, view.quality.mirror_depth = mirror_depth;
+    if (!daft_render(f->scene, &view, image, &error)) fail_msg("%s", error.message);
+    memcpy(out, daft_image_pixels(image), 4 * SIDE * SIDE);
+    daft_image_destroy(image);
+}
+
+static double place_of(int pixel) { return 4 * (pixel + 0.5) / SIDE - 2; }
+
+static daft_entity show(daft_scene *scene, daft_mesh mesh, daft_material material)
+{
+    daft_entity_def def = daft_default_entity_def();
+    def.shape = DAFT_SHAPE_MESH, def.mesh = mesh, def.material = material;
+    const daft_entity entity = daft_entity_create(scene, &def, NULL);
+    assert_true(entity.id != 0);
+    return entity;
+}
+
+/* ---- beyond the edges ---- */
+
+/* The texel of 0..TEXELS - 1 that a coordinate means. */
+static int wrapped(daft_wrap wrap, double u)
+{
+    if (wrap == DAFT_WRAP_CLAMP) return u < 0 ? 0 : u >= 1 ? TEXELS - 1 : (int)(u * TEXELS);
+    const double tile = floor(u), part = u - tile;
+    const bool back = wrap == DAFT_WRAP_MIRROR && fmod(fabs(tile), 2) == 1;
+    return (int)((back ? 1 - part : part) * TEXELS);
+}
+
+static void what_lies_beyond_edges_is_drawn(void **state)
+{
+    fixture *f = *state;
+    const daft_vec3 positions[4] = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+    const daft_vec2 uvs[4] = {{-1.5f, -1.5f}, {2.5f, -1.5f}, {2.5f, 2.5f}, {-1.5f, 2.5f}};
+    const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
+    uint8_t texels[4 * TEXELS * TEXELS], seen[4 * SIDE * SIDE];
+    for (int i = 0; i < TEXELS * TEXELS; i++) /* bytes that survive sRGB and back */
+        texels[4 * i] = (uint8_t)(16 * i), texels[4 * i + 1] = (uint8_t)(255 - 16 * i), texels[4 * i + 2] = 90,
+                   texels[4 * i + 3] = 255;
+    daft_mesh_def def = daft_default_mesh_def();
+    def.positions = positions, def.uvs = uvs, def.vertex_count = 4, def.indices = indices, def.triangle_count = 2;
+    const daft_mesh mesh = daft_mesh_create(f->scene, &def, NULL);
+    daft_material_def look = daft_default_material_def();
+    look.diffuse = look.ambient = daft_v3(1, 1, 1), look.specular = daft_v3(0, 0, 0);
+    look.diffuse_map = daft_texture_load(f->scene, put_picture("texels.tga", TEXELS, TEXELS, texels), NULL);
+    assert_true(look.diffuse_map.id != 0);
+    const daft_material material = daft_material_create(f->scene, &look, NULL);
+    show(f->scene, mesh, material);
+    daft_scene_set_ambient(f->scene, daft_v3(1, 1, 1));
+    for (uint32_t wrap = DAFT_WRAP_REPEAT; wrap <= DAFT_WRAP_MIRROR; wrap++) {
+        int compared = 0;
+        look.map_wrap = wrap;
+        assert_true(daft_material_set(f->scene, material, &look, NULL));
+        draw(f, DAFT_TEXTURE_NEAREST, 0, seen);
+        for (int y = SIDE / 4; y < 3 * SIDE / 4; y++)
+            for (int x = SIDE / 4; x < 3 * SIDE / 4; x++) {
+                const double u = 2 * place_of(x) + 0.5, v = 0.5 - 2 * place_of(y);
+                const int column = wrapped(wrap, u), row = TEXELS - 1 - wrapped(wrap, v);
+                const uint8_t *got = seen + 4 * (y * SIDE + x), *texel = texels + 4 * (row * TEXELS + column);
+                if (abs(got[0] - texel[2]) > 1 || abs(got[1] - texel[1]) > 1 || abs(got[2] - texel[0]) > 1)
+                    fail_msg("wrap %u at %g, %g: %d %d %d, not texel %d, %d", wrap, u, v, got[0], got[1], got[2],
+                             column, row);
+                compared++;
+            }
+        assert_int_equal(compared, SIDE * SIDE / 4);
+    }
+}
+
+/* ---- glTF ---- */
+
+/* A square from -1 to 1 in x and y that faces +z, the picture's left edge at x = -1. */
+static const char *const SQUARE =
+    "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],"
+    "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1,\"TEXCOORD_0\":2},\"indices\":3,"
+    "\"material\":0}]}],\"materials\":[{%s}],\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"map.tga\"}],"
+    "\"buffers\":[{\"byteLength\":140,\"uri\":\"square.bin\"}],\"bufferViews\":["
+    "{\"buffer\":0,\"byteLength\":48},{\"buffer\":0,\"byteOffset\":48,\"byteLength\":48},"
+    "{\"buffer\":0,\"byteOffset\":96,\"byteLength\":32},{\"buffer\":0,\"byteOffset\":128,\"byteLength\":12}],"
+    "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":4,\"min\":[-1,-1,0],"
+    "\"max\":[1,1,0]},{\"bufferView\":1,\"componentType\":5126,\"type\":\"VEC3\",\"count\":4},"
+    "{\"bufferView\":2,\"componentType\":5126,\"type\":\"VEC2\",\"count\":4},"
+    "{\"bufferView\":3,\"componentType\":5123,\"type\":\"SCALAR\",\"count\":6}]}";
+
+static void put_square(void)
+{
+    static const float numbers[32] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0, 0, 0, 1, 0,
+                                      0,  1,  0, 0, 1,  0, 0, 1, 0, 1,  1, 1, 1, 0, 0, 0};
+    static const uint16_t indices[6] = {0, 1, 2, 0, 2, 3};
+    uint8_t bytes[140];
+    memcpy(bytes, numbers, 128), memcpy(bytes + 128, indices, 12);
+    put("square.bin", bytes, sizeof bytes);
+}
+
+/* The picture of a square of this material under a sun and a blue sky. */
+static void draw_square(fixture *f, const char *material, uint8_t *out)
+{
+    static int count;
+    char text[4000], name[32];
+    daft_error error;
+    daft_scene_destroy(f->scene);
+    f->scene = daft_scene_create(f->engine, NULL);
+    snprintf(text, sizeof text, SQUARE, material), snprintf(name, sizeof name, "square%d.gltf", count++);
+    const daft_mesh mesh = daft_mesh_load(f->scene, put_text(name, text), &error);
+    if (!mesh.id && error.code == DAFT_ERROR_UNSUPPORTED) skip();
+    if (!mesh.id) fail_msg("%s", error.message);
+    show(f->scene, mesh, (daft_material){0});
+    daft_light_def sun = daft_default_light_def();
+    sun.kind = DAFT_LIGHT_SUN, sun.direction = daft_v3(0.3f, -0.2f, -1), sun.color = daft_v3(0.6f, 0.5f, 0.4f);
+    assert_true(daft_light_create(f->scene, &sun, NULL).id != 0);
+    daft_scene_set_sky_color(f->scene, daft_v3(0.1f, 0.3f, 0.8f));
+    draw(f, DAFT_TEXTURE_NEAREST, 0, out);
+    assert_int_equal(f->warnings, 0);
+}
+
+static void alpha_below_the_cutoff_is_a_hole(void **state)
+{
+    fixture *f = *state;
+    static const struct {
+        const char *cutoff;
+        double value;
+    } cases[] = {{"", 0.5}, {",\"alphaCutoff\":0.25", 0.25}, {",\"alphaCutoff\":0.8", 0.8}};
+    static const uint8_t alphas[4 * TEXELS] = {0, 0, 255, 0, 0, 0, 255, 85, 0, 0, 255, 170, 0, 0, 255, 255};
+    uint8_t seen[4 * SIDE * SIDE];
+    put_square(), put_picture("map.tga", TEXELS, 1, alphas);
+    for (size_t i = 0; i < DAFT_COUNT_OF(cases); i++) {
+        char material[300];
+        snprintf(material, sizeof material,
+                 "\"alphaMode\":\"MASK\"%s,\"pbrMetallicRoughness\":{\"metallicFactor\":0,"
+                 "\"baseColorTexture\":{\"index\":0}}",
+                 cases[i].cutoff);
+        draw_square(f, material, seen);
+        for (int x = 0; x < SIDE; x++) {
+            const double u = (place_of(x) + 1) / 2;
+            const bool there = u > 0 && u < 1 && alphas[4 * (int)(u * TEXELS) + 3] / 255.0 >= cases[i].value;
+            const uint8_t *got = seen + 4 * (SIDE / 2 * SIDE + x); /* the surface is red, the sky blue */
+            if ((got[0] > got[2]) != there) fail_msg("cutoff %g at %g: %d, %d", cases[i].value, u, got[0], got[2]);
+        }
+    }
+}
+
+/* The left half of a picture is that of one material, the right half that of another. */
+static void compare_halves(const uint8_t *seen, const uint8_t *left, const uint8_t *right)
+{
+    int different = 0;
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        const uint8_t *want = (i % SIDE < SIDE / 2 ? left : right) + 4 * i;
+        if (memcmp(seen + 4 * i, want, 4) != 0)
+            fail_msg("pixel %d, %d: %d %d %d, not %d %d %d", i % SIDE, i / SIDE, seen[4 * i], seen[4 * i + 1],
+                     seen[4 * i + 2], want[0], want[1], want[2]);
+        different += memcmp(left + 4 * i, right + 4 * i, 4) != 0;
+    }
+    assert_true(different > SIDE * SIDE / 8); /* else nothing is compared */
+}
+
+static void roughness_and_metal_come_from_one_image(void **state)
+{
+    fixture *f = *state;
+    /* left: roughness 1, no metal; right: roughness 51/255, metal */
+    static const uint8_t halves[4 * 2] = {0, 255, 7, 255, 255, 51, 7, 255};
+    uint8_t seen[4 * SIDE * SIDE], left[4 * SIDE * SIDE], right[4 * SIDE * SIDE];
+    put_square(), put_picture("map.tga", 2, 1, halves);
+#define BASE "\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.9,0.3,0.1,1],"
+    draw_square(f, BASE "\"metallicRoughnessTexture\":{\"index\":0}}", seen);
+    draw_square(f, BASE "\"metallicFactor\":0,\"roughnessFactor\":1}", left);
+    draw_square(f, BASE "\"metallicFactor\":1,\"roughnessFactor\":0.2}", right);
+    compare_halves(seen, left, right);
+}
+
+static void emission_comes_from_its_image(void **state)
+{
+    fixture *f = *state;
+    static const uint8_t halves[4 * 2] = {0, 0, 0, 255, 255, 255, 255, 255};
+    uint8_t seen[4 * SIDE * SIDE], left[4 * SIDE * SIDE], right[4 * SIDE * SIDE];
+    put_square(), put_picture("map.tga", 2, 1, halves);
+#define DULL BASE "\"metallicFactor\":0,\"roughnessFactor\":1}"
+    draw_square(f, "\"emissiveFactor\":[0,0.5,0.25],\"emissiveTexture\":{\"index\":0}," DULL, seen);
+    draw_square(f, DULL, left);
+    draw_square(f, "\"emissiveFactor\":[0,0.5,0.25]," DULL, right);
+    compare_halves(seen, left, right);
+}
+
+/* ---- refl ---- */
+
+/* A ball of a material of paint.mtl, which is lit by nothing. */
+static void draw_ball(fixture *f, const char *more, const char *sky, uint8_t *out)
+{
+    char text[300];
+    daft_error error;
+    daft_scene_destroy(f->scene);
+    f->scene = daft_scene_create(f->engine, NULL);
+    snprintf(text, sizeof text, "newmtl m\nKd 0 0 0\nKs 1 0.5 0.25\nillum 3\n%s", more);
+    daft_entity_def def = daft_default_entity_def();
+    def.shape = DAFT_SHAPE_SPHERE, def.radius = 0.8f;
+    def.material = daft_material_load(f->scene, put_text("paint.mtl", text), &error);
+    if (!def.material.id) fail_msg("%s", error.message);
+    assert_true(daft_entity_create(f->scene, &def, NULL).id != 0);
+    daft_scene_set_ambient(f->scene, daft_v3(0, 0, 0));
+    daft_scene_set_sky_color(f->scene, daft_v3(0, 0, 0));
+    if (sky) assert_true(daft_scene_set_sky_image(f->scene, sky, NULL));
+    draw(f, DAFT_TEXTURE_BILINEAR, 2, out);
+}
+
+/* A reflection map is as if the sky were that image, where nothing else stands around; and no ray is cast for it. */
+static void a_reflection_map_is_mirrored_as_a_sky(void **state)
+{
+    fixture *f = *state;
+    static uint8_t texels[4 * 64 * 32], by_map[4 * SIDE * SIDE], by_sky[4 * SIDE * SIDE];
+    for (int y = 0; y < 32; y++)
+        for (int x = 0; x < 64; x++) {
+            uint8_t *t = texels + 4 * (64 * y + x);
+            const bool pole = y < 2 || y > 29; /* one grey, since a sky ends at its poles and a texture goes round */
+            t[0] = (uint8_t)(pole ? 90 : 40 + 3 * abs(32 - x)), t[1] = (uint8_t)(pole ? 90 : 7 * y);
+            t[2] = pole ? 90 : 200, t[3] = 255;
+        }
+    char sky[200];
+    snprintf(sky, sizeof sky, "%s", put_picture("around.tga", 64, 32, texels));
+    draw_ball(f, "refl -type sphere around.tga\n", NULL, by_map);
+    assert_int_equal(daft_scene_counters(f->scene)->reflection_rays, 0);
+    draw_ball(f, "", sky, by_sky);
+    assert_true(daft_scene_counters(f->scene)->reflection_rays > 0);
+    int bright = 0;
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        const double x = i % SIDE + 0.5 - SIDE / 2, y = i / SIDE + 0.5 - SIDE / 2; /* its outline: 14 pixels away */
+        if (x * x + y * y > 12.5 * 12.5) continue;
+        for (int k = 0; k < 3; k++)
+            if (abs(by_map[4 * i + k] - by_sky[4 * i + k]) > 2)
+                fail_msg("pixel %d, %d: %d, by the sky %d", i % SIDE, i / SIDE, by_map[4 * i + k], by_sky[4 * i + k]);
+        bright += by_map[4 * i] > 60;
+    }
+    assert_true(bright > 400);
+    draw_ball(f, "illum 2\nrefl around.tga\n", NULL, by_map); /* which does not mirror */
+    assert_int_equal(by_map[4 * (SIDE / 2 * SIDE + SIDE / 2)], 0);
+    assert_int_equal(f->warnings, 0);
+}
+
+/* ---- mtllib ---- */
+
+static void make_folder(const char *name)
+{
+    char path[200];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    assert_int_equal(mkdir(path, 0700), 0);
+}
+
+/* The colour of the material that the triangles of an OBJ file in the first root have. */
+static daft_vec3 color_of(fixture *f, const char *name)
+{
+    daft_error error;
+    daft_scene *scene = daft_scene_create(f->engine, NULL);
+    const daft_mesh mesh = daft_mesh_load(scene, name, &error);
+    daft_material_def look;
+    if (!mesh.id) fail_msg("%s", error.message);
+    const uint32_t index = daft_mesh_find(scene, mesh, NULL)->materials[0];
+    assert_true(daft_material_get(scene, (daft_material){index + 1}, &look, NULL));
+    daft_scene_destroy(scene);
+    return look.diffuse;
+}
+
+static void mtllib_is_beside_the_file_and_then_in_the_roots(void **state)
+{
+    fixture *f = *state;
+    static const char *const TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n";
+    char text[200], paths[2][100];
+    make_folder("game"), make_folder("game/meshes"), make_folder("shared"), make_folder("shared/paints");
+    put_text("game/meshes/own.mtl", "newmtl m\nKd 1 0 0\n");
+    put_text("shared/own.mtl", "newmtl m\nKd 0 1 0\n");
+    put_text("shared/paints/other.mtl", "newmtl m\nKd 0 0 1\n");
+    snprintf(text, sizeof text, "mtllib own.mtl\n%s", TRIANGLE), put_text("game/meshes/own.obj", text);
+    snprintf(text, sizeof text, "mtllib paints/other.mtl\n%s", TRIANGLE), put_text("game/meshes/other.obj", text);
+    snprintf(text, sizeof text, "mtllib none.mtl\n%s", TRIANGLE), put_text("game/meshes/none.obj", text);
+    for (int i = 0; i < 2; i++) snprintf(paths[i], sizeof paths[i], "%s/%s", folder, i ? "shared" : "game");
+    const daft_root roots[2] = {{.folder = paths[0]}, {.folder = paths[1]}};
+    daft_files_def def = daft_default_files_def();
+    def.roots = roots, def.root_count = 2;
+    daft_files *files = daft_files_create(&def, NULL);
+    assert_true(files && daft_engine_set_files(f->engine, files, NULL));
+    assert_true(color_of(f, "meshes/own.obj").x == 1);
+    assert_true(color_of(f, "meshes/other.obj").z == 1);
+    assert_int_equal(f->warnings, 0);
+    color_of(f, "meshes/none.obj");
+    assert_true(f->warnings > 0);
+    assert_true(daft_engine_set_files(f->engine, NULL, NULL));
+    daft_files_destroy(files);
+}
+
+/* What a library that the sanitizer has not seen writes counts as never written. */
+#if defined(__has_feature)
+#if __has_feature(memory_sanitizer)
+#define SKIPPED 1
+#endif
+#endif
+#ifndef SKIPPED
+#define SKIPPED 0
+#endif
+
+int main(void)
+{
+    if (SKIPPED) return 77;
+#define WITH_FOLDER(name) cmocka_unit_test_setup_teardown(name, open_folder, close_folder)
+    const struct CMUnitTest tests[] = {
+        WITH_FOLDER(what_lies_beyond_edges_is_drawn),
+        WITH_FOLDER(alpha_below_the_cutoff_is_a_hole),
+        WITH_FOLDER(roughness_and_metal_come_from_one_image),
+        WITH_FOLDER(emission_comes_from_its_image),
+        WITH_FOLDER(a_reflection_map_is_mirrored_as_a_sky),
+        WITH_FOLDER(mtllib_is_beside_the_file_and_then_in_the_roots),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
