@@ -564,6 +564,7 @@ static void visible_points(const daft_snapshot *snapshot, const daft_pencil *p, 
                            const daft_facets *f, uint32_t wants, daft_batch *b)
 {
     flat_normal kept = {.slot = -1};
+    const bool footprints = b->footprints && wants & WANT_TEXTURE;
     window r = {.row = NULL}; /* once: a debug build cannot tell that each window reads what it set */
     for (uint32_t i = 0; i < b->count; i += DAFT_VL) {
         meeting m;
@@ -581,7 +582,7 @@ static void visible_points(const daft_snapshot *snapshot, const daft_pencil *p, 
         }
         vf reach = wants & WANT_DISTANCE ? vf_sqrt(vf3_dot(m.point, m.point)) : vf_set(0);
         store_meeting(&m, r.direction, normal, reach, snapshot->focal, wants, b, i);
-        if (b->footprints && wants & WANT_TEXTURE) {
+        if (footprints) {
             const window rays = r; /* copies, so that these stay in registers where no footprint is wanted */
             const meeting met = m;
             camera_footprint(&rays, uniform, p, &met, reach, b, i);
