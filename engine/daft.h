@@ -1020,7 +1020,10 @@ typedef enum daft_texture_filter {
     DAFT_TEXTURE_TRILINEAR = 0, /* two levels of the mip map, four texels of each */
     DAFT_TEXTURE_MIPMAP,        /* the nearest level, four texels */
     DAFT_TEXTURE_BILINEAR,      /* the finest level, four texels */
-    DAFT_TEXTURE_NEAREST        /* the finest level, one texel */
+    DAFT_TEXTURE_NEAREST,       /* the finest level, one texel */
+    DAFT_TEXTURE_ANISOTROPIC4,  /* trilinear, as sharp as the pixel's shorter side on the surface allows: up to four
+                                   times along the longer one */
+    DAFT_TEXTURE_ANISOTROPIC16  /* the same, up to sixteen times */
 } daft_texture_filter;
 
 /* How a picture that is drawn smaller is enlarged to its target. */
@@ -1348,7 +1351,7 @@ typedef struct daft_effect {
     const char *why; /* why it ran, or why it did not */
     uint32_t tiles;
     uint64_t rays;
-    uint64_t bytes; /* of working memory it took */
+    uint64_t bytes; /* of working memory it took; textures: of the scene's, with all levels, too */
     double ms;      /* summed over threads, divided by their number */
 } daft_effect;
 

@@ -279,9 +279,10 @@ bool daft_file_identify(const daft_files *files, const char *path, daft_file_id 
     if (!open_any(&it, files, path, NULL)) return false;
     bool known = it.from || fstat(it.file, &status) == 0;
     if (it.from)
-        *out = (daft_file_id){(uint64_t)(uintptr_t)it.from, daft_hash(it.inner, strlen(it.inner), 0)};
+        *out = (daft_file_id){(uint64_t)(uintptr_t)it.from, daft_hash(it.inner, strlen(it.inner), 0), it.size, 0, 0};
     else if (known)
-        *out = (daft_file_id){(uint64_t)status.st_dev, (uint64_t)status.st_ino};
+        *out = (daft_file_id){(uint64_t)status.st_dev, (uint64_t)status.st_ino, (uint64_t)status.st_size,
+                              (uint64_t)status.st_mtim.tv_sec, (uint64_t)status.st_mtim.tv_nsec};
     close_any(&it);
     return known;
 }

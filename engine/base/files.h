@@ -18,10 +18,16 @@ char *daft_file_read(const daft_allocator *allocator, const daft_files *files, c
                      daft_error *error);
 /* Whether daft_file_read would find a regular file. */
 bool daft_file_exists(const daft_files *files, const char *path);
-/* What tells one file from another, whatever the path that leads to it. */
+/* What tells one file from another, whatever the path that leads to it, and from what it was before it changed. */
 typedef struct daft_file_id {
     uint64_t device, number;
+    uint64_t size, seconds, nanoseconds; /* when it was modified; of a callback's file 0 */
 } daft_file_id;
+static inline bool daft_file_id_equal(const daft_file_id *a, const daft_file_id *b)
+{
+    return a->device == b->device && a->number == b->number && a->size == b->size && a->seconds == b->seconds &&
+           a->nanoseconds == b->nanoseconds;
+}
 bool daft_file_identify(const daft_files *files, const char *path, daft_file_id *out);
 /* Joins the folder of `base` (a file's path) and `path` (unchanged when absolute) into out. False if it is too long. */
 bool daft_path_beside(const char *base, const char *path, char *out, size_t size);

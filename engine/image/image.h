@@ -88,6 +88,7 @@ bool daft_texture_share(daft_image_cache *cache, const daft_allocator *allocator
                         const daft_texture_change *change, daft_texture_data *out, daft_error *error);
 /* The magenta and black checker that stands for a missing file. */
 bool daft_texture_missing(const daft_allocator *allocator, daft_texture_data *out, daft_error *error);
+size_t daft_texture_bytes(const daft_texture_data *texture); /* of all levels */
 void daft_texture_free(const daft_allocator *allocator, daft_texture_data *texture);
 
 /* An equirectangular sky in linear light, RGB floats, top row first. A Radiance file (.hdr) has light above 1, in

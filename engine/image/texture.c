@@ -258,6 +258,14 @@ bool daft_texture_missing(const daft_allocator *allocator, daft_texture_data *ou
     return true;
 }
 
+size_t daft_texture_bytes(const daft_texture_data *texture)
+{
+    size_t bytes = 0;
+    for (int level = 0; level < texture->levels; level++)
+        bytes += 4 * (size_t)texture->width[level] * (size_t)texture->height[level];
+    return bytes;
+}
+
 void daft_texture_free(const daft_allocator *allocator, daft_texture_data *texture)
 {
     if (texture->shared)

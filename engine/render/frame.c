@@ -58,6 +58,7 @@ void daft_renderer_destroy(daft_renderer *r)
     daft_release(&allocator, r->gloss);
     daft_release(&allocator, r->third);
     daft_release(&allocator, r->varying);
+    daft_release(&allocator, r->footprints);
     daft_release(&allocator, r->refracted);
     daft_mirrors_free(r);
     daft_release(&allocator, r->sum);
@@ -284,6 +285,23 @@ static bool prepare_varying(daft_renderer *r, const daft_plan *plan, daft_error 
     return true;
 }
 
+/* Where the filter of textures asks, of each batch of a worker. */
+static bool prepare_footprints(daft_renderer *r, const daft_snapshot *snapshot, daft_error *error)
+{
+    enum { BATCHES = 3 };
+    const bool some = snapshot->texture_count && daft_filter_is_anisotropic(snapshot->quality.texture_filter);
+    const size_t all = some ? (size_t)r->threads * BATCHES : 0;
+    if (!daft_grow(&r->allocator, &r->footprints, &r->footprint_capacity, all, 0, sizeof *r->footprints))
+        return daft_fail_memory(error, "the footprints of pixels");
+    for (int i = 0; i < r->threads; i++) {
+        daft_scratch *s = &r->scratch[i];
+        daft_batch *const batches[BATCHES] = {&s->points, &s->next, s->third};
+        for (int k = 0; k < BATCHES; k++)
+            if (batches[k]) batches[k]->footprints = all ? &r->footprints[BATCHES * i + k] : NULL;
+    }
+    return true;
+}
+
 static bool prepare_sampled(daft_renderer *r, bool some, daft_error *error)
 {
     for (int i = 0; i < r->threads; i++) r->scratch[i].sampled = NULL;
@@ -316,11 +334,23 @@ static bool prepare(daft_frame *frame, daft_error *error)
     count_work(frame);
     if ((frame->plan.tints || frame->plan.filters) && !prepare_tints(r, error)) return false;
     if (!prepare_sampled(r, frame->plan.samples_light, error)) return false;
-    if (!prepare_gloss(r, &frame->plan, error) || !prepare_varying(r, &frame->plan, error)) return false;
+    if (!prepare_gloss(r, &frame->plan, error) || !prepare_varying(r, &frame->plan, error) ||
+        !prepare_footprints(r, s, error))
+        return false;
     if (!prepare_edges(frame, error)) return false;
     size_t floats = s->quality.samples > 1 && !frame->plan.denoise ? 3 * (size_t)s->width * (size_t)s->height : 0;
     if (daft_grow(&r->allocator, &r->sum, &r->sum_capacity, floats, 0, sizeof *r->sum)) return true;
     return daft_fail_memory(error, "the samples of a picture");
+}
+
+/* The scene's textures with all their levels, and what their filter needs. */
+static size_t texture_bytes(const daft_frame *frame)
+{
+    const daft_snapshot *s = frame->snapshot;
+    const daft_renderer *r = frame->renderer;
+    size_t bytes = r->scratch[0].points.footprints ? r->footprint_capacity * sizeof *r->footprints : 0;
+    for (uint32_t i = 0; i < s->texture_count; i++) bytes += daft_texture_bytes(&s->textures[i]);
+    return bytes;
 }
 
 /* The tree over instances is the first one's of the effects that ask for rays. */
@@ -350,6 +380,7 @@ static void count_bytes(const daft_frame *frame, daft_counters *c)
         e[DAFT_EFFECT_ANTIALIASING].bytes = r->edge_capacity * sizeof *r->edges + r->id_capacity * sizeof *r->ids +
                                             r->apron_capacity + r->smooth_capacity +
                                             r->corner_capacity * sizeof *r->corners;
+    if (e[DAFT_EFFECT_TEXTURE].ran) e[DAFT_EFFECT_TEXTURE].bytes = texture_bytes(frame);
     e[DAFT_EFFECT_SURFACE].bytes = (size_t)r->threads * sizeof *r->scratch + r->varying_capacity * sizeof *r->varying;
 }
 

@@ -131,6 +131,8 @@ struct daft_renderer {
     size_t third_capacity;
     daft_varying *varying; /* the workers', of three batches each */
     size_t varying_capacity;
+    daft_footprints *footprints; /* the same */
+    size_t footprint_capacity;
     daft_lanes3 *passed; /* the workers' */
     size_t passed_capacity;
     daft_ray_batch *refracted; /* the workers' */

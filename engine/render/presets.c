@@ -25,6 +25,7 @@ static const daft_quality PRESETS[] = {
                           .refraction_depth = 16,
                           .min_weight = 1.0f / 2048,
                           .glossy_samples = 2,
+                          .texture_filter = DAFT_TEXTURE_ANISOTROPIC4,
                           .denoise = true},
     [DAFT_PRESET_REFERENCE] = {.scale = 1,
                                .tree = DAFT_TREE_BVH,
@@ -35,7 +36,8 @@ static const daft_quality PRESETS[] = {
                                .mirror_depth = 10,
                                .refraction_depth = 24,
                                .min_weight = 1.0f / 4096,
-                               .glossy_samples = 8},
+                               .glossy_samples = 8,
+                               .texture_filter = DAFT_TEXTURE_ANISOTROPIC16},
 };
 
 daft_quality daft_preset_quality(daft_preset preset)

@@ -290,6 +290,108 @@ DAFT_INLINE void store_meeting(const meeting *m, vf3 direction, vf3 normal, vf r
     if (wants & WANT_PATH) vf_store(&b->extent[at], m->size);
 }
 
+/* ---- footprints ---- */
+
+/* Two diameters of what a pixel sees across its ray: at the point of a camera ray, how far the rays of the pixels to
+ * the right and above pass; of other rays, of a cone as wide as the path from the camera is long (Akenine-Möller et
+ * al., "Improved Shader and Texture Level of Detail Using Ray Cones", JCGT 10(1), 2021). For planar mirrors that is the
+ * camera's again, but for the picture's perspective; that curved surfaces spread rays, or gather them, it leaves out.
+ */
+typedef struct across {
+    vf3 first, second;
+} across;
+
+DAFT_INLINE across across_camera(const daft_pencil *p, vf3 direction, vf reach)
+{
+    const vf t = reach / vf_sqrt(vf3_dot(direction, direction));
+    return (across){scale3(set3(p->right), t), scale3(set3(p->up), t)};
+}
+
+DAFT_INLINE across across_cone(vf3 direction, vf reach, float focal)
+{
+    const vf zero = vf_set(0), width = reach / vf_set(focal);
+    const vm steep = vf_lt(vf_set(0.7f), vf_abs(direction.y)); /* two at right angles to it: by y, or else by x */
+    const vf3 first = unit3((vf3){vf_if_then_else(steep, zero, direction.z), vf_if_then_else(steep, -direction.z, zero),
+                                  vf_if_then_else(steep, direction.y, -direction.x)});
+    const vf3 second = {direction.y * first.z - direction.z * first.y, direction.z * first.x - direction.x * first.z,
+                        direction.x * first.y - direction.y * first.x};
+    return (across){scale3(first, width), scale3(unit3(second), width)};
+}
+
+/* Along the ray onto the surface; seen edge-on, that has no end. */
+DAFT_INLINE vf3 onto_surface(vf3 a, vf3 outward, vf3 unit)
+{
+    const vf cosine = vf_min(vf3_dot(outward, unit), vf_set(-0.01f));
+    return sub3(a, scale3(unit, vf3_dot(outward, a) / cosine));
+}
+
+/* Vectors whose products with one in the surface are how far u and v go along it. */
+typedef struct gradients {
+    vf3 u, v;
+} gradients;
+
+DAFT_INLINE vf3 cross3(vf3 a, vf3 b)
+{
+    return (vf3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+DAFT_INLINE gradients facet_gradients(const window *r, sort s, vf3 outward)
+{
+    const vf3 from = part3(r, s, FACET_CORNER), a = sub3(part3(r, s, FACET_CORNER + 3), from),
+              b = sub3(part3(r, s, FACET_CORNER + 6), from);
+    const vf u = part(r, s, FACET_UV), v = part(r, s, FACET_UV + 1);
+    const vf au = part(r, s, FACET_UV + 2) - u, av = part(r, s, FACET_UV + 3) - v;
+    const vf bu = part(r, s, FACET_UV + 4) - u, bv = part(r, s, FACET_UV + 5) - v;
+    const vf3 of_a = cross3(b, outward), of_b = cross3(outward, a);
+    const vf area = vf3_dot(a, of_a), some = vf_abs(area), zero = vf_set(0);
+    const vf scale = vf_if_then_else(vf_lt(zero, some), vf_set(1) / area, zero);
+    return (gradients){scale3(add3(scale3(of_a, au), scale3(of_b, bu)), scale),
+                       scale3(add3(scale3(of_a, av), scale3(of_b, bv)), scale)};
+}
+
+/* u goes once round a parallel, v along half a meridian. */
+DAFT_INLINE gradients sphere_gradients(const window *r, sort s, vf3 point)
+{
+    const vf radius = part(r, s, SPHERE_RADIUS);
+    const vf3 normal = unit3(sub3(point, part3(r, s, SPHERE_CENTRE)));
+    const vf3 row[3] = {part3(r, s, SPHERE_TURN), part3(r, s, SPHERE_TURN + 3), part3(r, s, SPHERE_TURN + 6)};
+    const vf3 local = unit3((vf3){vf3_dot(row[0], normal), vf3_dot(row[1], normal), vf3_dot(row[2], normal)});
+    const vf parallel = vf_max(vf_sqrt(local.x * local.x + local.z * local.z), vf_set(1e-3f));
+    const vf3 east = unit3(add3(scale3(row[0], -local.z), scale3(row[2], local.x))), up = unit3(row[1]);
+    const vf3 north = unit3(sub3(up, scale3(normal, vf3_dot(up, normal))));
+    return (gradients){scale3(east, vf_set(0.159154943f) / (parallel * radius)),
+                       scale3(north, vf_set(0.318309886f) / radius)};
+}
+
+DAFT_INLINE void store_footprint(const window *r, sort s, const meeting *m, across a, daft_batch *b, uint32_t at)
+{
+    const vf3 unit = unit3(r->direction);
+    const vf3 first = onto_surface(a.first, m->outward, unit), second = onto_surface(a.second, m->outward, unit);
+    const vm sphere = vi_eq(m->word & vi_set(FACET_SPHERE), vi_set(FACET_SPHERE));
+    const gradients facet = facet_gradients(r, s, m->outward), ball = sphere_gradients(r, s, m->point);
+    const vf3 u = select3(sphere, ball.u, facet.u), v = select3(sphere, ball.v, facet.v);
+    daft_footprints *out = b->footprints;
+    vf_store(&out->first_u[at], vf3_dot(first, u)), vf_store(&out->first_v[at], vf3_dot(first, v));
+    vf_store(&out->second_u[at], vf3_dot(second, u)), vf_store(&out->second_v[at], vf3_dot(second, v));
+}
+
+/* Not part of the functions that call them: only one filter asks. */
+static __attribute__((noinline)) void camera_footprint(const window *r, bool uniform, const daft_pencil *p,
+                                                       const meeting *m, vf reach, daft_batch *b, uint32_t at)
+{
+    const across a = across_camera(p, r->direction, reach);
+    if (uniform)
+        store_footprint(r, (sort){true, true}, m, a, b, at);
+    else
+        store_footprint(r, (sort){true, false}, m, a, b, at);
+}
+
+static __attribute__((noinline)) void cone_footprint(const window *r, const meeting *m, vf reach, float focal,
+                                                     daft_batch *b, uint32_t at)
+{
+    store_footprint(r, (sort){false, false}, m, across_cone(r->direction, reach, focal), b, at);
+}
+
 /* ---- pixels ---- */
 
 enum { FINDER = 256 };
@@ -462,13 +564,15 @@ static void visible_points(const daft_snapshot *snapshot, const daft_pencil *p, 
                            const daft_facets *f, uint32_t wants, daft_batch *b)
 {
     flat_normal kept = {.slot = -1};
+    const bool footprints = b->footprints && wants & WANT_TEXTURE;
     window r = {.row = NULL}; /* once: a debug build cannot tell that each window reads what it set */
     for (uint32_t i = 0; i < b->count; i += DAFT_VL) {
         meeting m;
         vf3 normal;
         const int32_t *slots = &f->slot[i];
         r.direction = first ? pixel_rays(p, *first, &b->pixel[i]) : rays_at(p, vf_load(&b->u[i]), vf_load(&b->v[i]));
-        if (vbits_from_mask(vi_eq(vi_load(slots), vi_set(slots[0]))) == DAFT_ALL_LANES) {
+        const bool uniform = vbits_from_mask(vi_eq(vi_load(slots), vi_set(slots[0]))) == DAFT_ALL_LANES;
+        if (uniform) {
             bool flat = meet_uniform(&r, f, slots[0], wants, &m);
             if (flat && kept.slot != slots[0]) kept = (flat_normal){slots[0], unit3(m.normal)};
             normal = flat ? kept.unit : unit3(m.normal);
@@ -478,6 +582,11 @@ static void visible_points(const daft_snapshot *snapshot, const daft_pencil *p, 
         }
         vf reach = wants & WANT_DISTANCE ? vf_sqrt(vf3_dot(m.point, m.point)) : vf_set(0);
         store_meeting(&m, r.direction, normal, reach, snapshot->focal, wants, b, i);
+        if (footprints) {
+            const window rays = r; /* copies, so that these stay in registers where no footprint is wanted */
+            const meeting met = m;
+            camera_footprint(&rays, uniform, p, &met, reach, b, i);
+        }
         if (wants & WANT_PATH) store3(&b->weight, i, set3(daft_v3(1, 1, 1)));
     }
 }
@@ -587,8 +696,13 @@ void DAFT_KERNEL(daft_hit_points)(const daft_snapshot *snapshot, const daft_ray_
         const facet_rays lanes = {r.origin, direction, direction};
         DAFT_KERNEL(daft_facets_setup)(snapshot, facets, i, daft_min_u(DAFT_VL, facets->count - i), &lanes);
         meet_mixed(&r, false, facets, slots, wants, &m);
-        store_meeting(&m, direction, unit3(m.normal), vf_load(&points->distance[at]), snapshot->focal, wants, points,
-                      at);
+        const vf reach = vf_load(&points->distance[at]);
+        store_meeting(&m, direction, unit3(m.normal), reach, snapshot->focal, wants, points, at);
+        if (points->footprints) {
+            const window hit_rays = r;
+            const meeting met = m;
+            cone_footprint(&hit_rays, &met, reach, snapshot->focal, points, at);
+        }
     }
     points->count += facets->count;
     points->traits |= facets->traits;

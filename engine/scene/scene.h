@@ -12,6 +12,7 @@
 #include "accel/accel.h"
 #include "base/base.h"
 #include "base/budget.h"
+#include "base/files.h"
 #include "geometry/mesh.h"
 #include "geometry/rig.h"
 #include "image/image.h"
@@ -97,6 +98,15 @@ typedef struct daft_asset_key {
     uint64_t hash;
 } daft_asset_key;
 
+/* Names are many, files fewer: `file` is the one that was read, unless it was none (`number` 0: bytes of a model's
+ * file, or a checker that stands in for one). */
+typedef struct daft_texture_key {
+    char *path;
+    uint64_t hash;
+    daft_file_id file;
+    daft_texture_change change;
+} daft_texture_key;
+
 /* Beside each mesh, texture and material. */
 typedef struct daft_asset_state {
     uint64_t serial; /* counts what was added: a failed load takes back what is newer than its beginning */
@@ -113,7 +123,7 @@ typedef struct daft_assets {
     daft_mesh_item **meshes; /* NULL: a free slot. Pointers: a BVH keeps the address of its mesh */
     size_t mesh_capacity;
     daft_texture_data *textures;
-    daft_asset_key *texture_keys;
+    daft_texture_key *texture_keys;
     size_t texture_capacity, texture_key_capacity;
     daft_material_def *materials;  /* 0: the default material */
     daft_surface *surfaces;        /* the same as render/ reads them */

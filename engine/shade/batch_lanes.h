@@ -20,6 +20,15 @@ void DAFT_KERNEL(daft_map_around)(const daft_batch *batch, const daft_surface *m
 void DAFT_KERNEL(daft_map_slopes)(const daft_batch *batch, const daft_surface *materials,
                                   const daft_texture_data *textures, daft_texture_filter filter, uint32_t i,
                                   vf *along_u, vf *along_v);
+/* The same of anisotropic filters, which these pass on (along_kernel.c). */
+bool DAFT_KERNEL(daft_albedo_along)(daft_batch *batch, const daft_surface *materials, const daft_texture_data *textures,
+                                    daft_texture_filter filter);
+void DAFT_KERNEL(daft_map_color_along)(const daft_batch *batch, const daft_surface *materials,
+                                       const daft_texture_data *textures, daft_texture_filter filter, uint32_t map,
+                                       bool linear, uint32_t i, vf3 *color, vf *alpha);
+void DAFT_KERNEL(daft_map_slopes_along)(const daft_batch *batch, const daft_surface *materials,
+                                        const daft_texture_data *textures, daft_texture_filter filter, uint32_t i,
+                                        vf *along_u, vf *along_v);
 void DAFT_KERNEL(daft_vary)(daft_batch *batch, const daft_surface *materials, const daft_texture_data *textures,
                             daft_texture_filter filter, const daft_vary_def *def);
 void DAFT_KERNEL(daft_sky_color)(const daft_sky *sky, const daft_lanes3 *direction, uint32_t count, daft_lanes3 *color);

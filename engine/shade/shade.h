@@ -160,6 +160,17 @@ typedef struct daft_varying {
     float opacity[DAFT_BATCH_ROOM]; /* the rest is seen through it */
 } daft_varying;
 
+/* Two diameters of the ellipse on the surface that a pixel sees, in units of u and v, each parallel to the ellipse's
+ * tangent where the other ends. */
+typedef struct daft_footprints {
+    float first_u[DAFT_BATCH_ROOM], first_v[DAFT_BATCH_ROOM], second_u[DAFT_BATCH_ROOM], second_v[DAFT_BATCH_ROOM];
+} daft_footprints;
+
+static inline bool daft_filter_is_anisotropic(daft_texture_filter filter)
+{
+    return filter == DAFT_TEXTURE_ANISOTROPIC4 || filter == DAFT_TEXTURE_ANISOTROPIC16;
+}
+
 /* Mirrored rays of physical surfaces of less weight than this are not sent: see vary_kernel.c. */
 #define DAFT_LEAST_MIRROR 0.02f
 
@@ -194,6 +205,7 @@ typedef struct daft_batch {
     float cosine[DAFT_BATCH_ROOM]; /* between the normal and the direction to the light that `facing` was called for
                                       last */
     daft_varying *varying;         /* NULL: no material in the frame calls for it */
+    daft_footprints *footprints;   /* NULL: no filter of textures asks */
 } daft_batch;
 
 typedef struct daft_shade_kernels {

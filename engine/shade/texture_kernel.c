@@ -1,9 +1,20 @@
-/* Texture sampling: trilinear unless a cheaper filter is asked for, in linear light. The mip level is the
+/* Texture sampling: trilinear unless another filter is asked for, in linear light. The mip level is the
  * log2 of the footprint's side in texels (Williams, "Pyramidal Parametrics", 1983). Lanes are points: those of one
- * texture that need one level of it are sampled together, and neighbours mostly do. */
+ * texture that need one level of it are sampled together, and neighbours mostly do.
+ *
+ * Anisotropic filters take the mean of trilinear samples along the footprint's major axis, at the level of the minor
+ * one (McCormack, Perry, Farkas, Jouppi, "Feline: Fast Elliptical Lines for Anisotropic Texture Mapping", SIGGRAPH
+ * 1999; weights are equal here, as a pixel's are, which is what EXT_texture_filter_anisotropic does, too). */
 #include "shade/batch_lanes.h"
 
 #include "shade/srgb_table.h"
+
+/* along_kernel.c compiles this file again, for anisotropic filters alone: they share all of it, and the others do not
+ * pay for them with one instruction. */
+#ifndef TEXTURES_ALONG
+#define TEXTURES_ALONG false
+#define TEXTURES(name) DAFT_KERNEL(name)
+#endif
 
 /* Points of one texture, whose two levels are `fine` and `fine` + 1, the latter with the weight `blend`. */
 typedef struct texture_points {
@@ -156,29 +167,100 @@ DAFT_INLINE vf wrapped(vf a, vi wrap, vm inside)
     return vf_if_then_else(inside, held, repeated);
 }
 
-/* Texture coordinates of DAFT_VL points as their materials turn them, and the footprint in texels of a texture of one
- * texel. */
+/* Texture coordinates of DAFT_VL points as their materials turn them, before they are put into the picture and then,
+ * and the footprint in texels of a texture of one texel. */
 typedef struct texture_lanes {
-    vf u, v, footprint;
+    vf free_u, free_v, u, v, footprint;
+    vi wrap;
     vm inside;
     bool edges;
+    vf first_u, first_v, second_u, second_v; /* of daft_footprints; for anisotropic filters alone */
 } texture_lanes;
+
+DAFT_INLINE void put_inside(texture_lanes *at)
+{
+    if (at->edges) {
+        at->u = wrapped(at->free_u, at->wrap, at->inside), at->v = wrapped(at->free_v, at->wrap, at->inside);
+    } else {
+        at->u = fraction(at->free_u), at->v = fraction(at->free_v);
+    }
+}
 
 DAFT_INLINE texture_lanes lanes_of(const daft_batch *batch, const material_reader *m, uint32_t i)
 {
     const vf su = MATERIAL_WORD(m, map_scale.x), sv = MATERIAL_WORD(m, map_scale.y);
-    const vi wrap = (vi)MATERIAL_WORD(m, wrap);
     texture_lanes at = {.footprint = vf_load(&batch->footprint[i]) * vf_sqrt(vf_abs(su * sv))};
-    at.u = vf_load(&batch->u[i]) * su + MATERIAL_WORD(m, map_offset.x);
-    at.v = vf_load(&batch->v[i]) * sv + MATERIAL_WORD(m, map_offset.y);
-    at.inside = vm_not(vi_eq(wrap, vi_set(DAFT_WRAP_REPEAT)));
+    at.wrap = (vi)MATERIAL_WORD(m, wrap);
+    at.free_u = vf_load(&batch->u[i]) * su + MATERIAL_WORD(m, map_offset.x);
+    at.free_v = vf_load(&batch->v[i]) * sv + MATERIAL_WORD(m, map_offset.y);
+    at.inside = vm_not(vi_eq(at.wrap, vi_set(DAFT_WRAP_REPEAT)));
     at.edges = vbits_from_mask(at.inside) != 0;
-    if (at.edges) {
-        at.u = wrapped(at.u, wrap, at.inside), at.v = wrapped(at.v, wrap, at.inside);
-    } else {
-        at.u = fraction(at.u), at.v = fraction(at.v);
+    put_inside(&at);
+    if (TEXTURES_ALONG) {
+        const daft_footprints *f = batch->footprints;
+        at.first_u = vf_load(&f->first_u[i]) * su, at.first_v = vf_load(&f->first_v[i]) * sv;
+        at.second_u = vf_load(&f->second_u[i]) * su, at.second_v = vf_load(&f->second_v[i]) * sv;
     }
     return at;
+}
+
+/* ---- along the footprint ---- */
+
+/* The major axis in units of u and v, how many samples lie along it, and the side in texels of what each stands for. */
+typedef struct texture_line {
+    vf u, v, count, side;
+} texture_line;
+
+/* With the diameters as columns of M, in texels, the squares of the ellipse's axes are the eigenvalues of M times its
+ * transpose, and their product is the square of M's determinant. Up to 1/8 more than the minor axis, and no less than a
+ * texel, is left to each sample. */
+DAFT_INLINE texture_line line_of(const texture_lanes *at, const daft_texture_data *t, daft_texture_filter filter)
+{
+    const vf width = vf_set((float)t->width[0]), height = vf_set((float)t->height[0]);
+    const vf least = vf_set(1e-20f), zero = vf_set(0), one = vf_set(1), half = vf_set(0.5f);
+    const vf ax = at->first_u * width, ay = at->first_v * height, bx = at->second_u * width, by = at->second_v * height;
+    const vf xx = ax * ax + bx * bx, xy = ax * ay + bx * by, yy = ay * ay + by * by;
+    const vf apart = (xx - yy) * half, root = vf_sqrt(apart * apart + xy * xy);
+    const vf major = vf_sqrt(vf_max((xx + yy) * half + root, least)), minor = vf_abs(ax * by - ay * bx) / major;
+    const vf most = vf_set(filter == DAFT_TEXTURE_ANISOTROPIC4 ? 4 : 16);
+    const vf ratio = vf_min(vf_max(major / vf_max(minor, one), one), most);
+    const vm flat = vf_lt(apart, zero); /* the eigenvector by the row that is not near zero */
+    const vf x = vf_if_then_else(flat, xy, root + apart), y = vf_if_then_else(flat, root - apart, xy);
+    const vf scale = major / vf_sqrt(vf_max(x * x + y * y, least));
+    texture_line line = {.u = x * scale / width, .v = y * scale / height};
+    line.count = vf_floor(ratio + vf_set(0.875f));
+    line.side = vf_max(minor, major / line.count);
+    return line;
+}
+
+/* The same as sample() and, in p, the same sums. */
+static void sample_along(const daft_texture_data *t, const texture_lanes *at, daft_texture_filter filter, vbits some,
+                         texture_use use, texture_points *p)
+{
+    const vf half = vf_set(0.5f), one = vf_set(1), zero = vf_set(0);
+    const texture_line line = line_of(at, t, filter);
+    const vf level = vf_log2(vf_max(line.side, vf_set(1e-20f))), share = one / line.count;
+    vbits left = some;
+    for (int k = 0; left; k++) {
+        const vf along = (vf_set((float)k) + half) * share - half;
+        texture_lanes tap = *at;
+        tap.free_u += line.u * along, tap.free_v += line.v * along;
+        put_inside(&tap);
+        texture_points one_of = {.u = tap.u, .v = tap.v, .inside = at->inside};
+        one_of.color = (vf3){zero, zero, zero}, one_of.alpha = zero;
+        sample(t, level, filter, left, use, &one_of);
+        p->color = (vf3){p->color.x + one_of.color.x * share, p->color.y + one_of.color.y * share,
+                         p->color.z + one_of.color.z * share};
+        p->alpha += one_of.alpha * share;
+        left &= vbits_from_mask(vf_lt(vf_set((float)k + 1.5f), line.count));
+    }
+}
+
+/* The side, in texels, of what one sample stands for. */
+DAFT_INLINE vf side_of(const texture_lanes *at, const daft_texture_data *t, daft_texture_filter filter)
+{
+    if (TEXTURES_ALONG) return line_of(at, t, filter).side;
+    return at->footprint * vf_set(sqrtf((float)t->width[0] * (float)t->height[0]));
 }
 
 /* What DAFT_VL points have of their textures; of those without one *out stays as it is. */
@@ -189,11 +271,13 @@ DAFT_INLINE void sample_lanes(const texture_lanes *at, vi texture, vbits left, c
         const int32_t number = texture[__builtin_ctz(left)];
         const daft_texture_data *t = &textures[number];
         const vbits same = left & vbits_from_mask(vi_eq(texture, vi_set(number)));
-        const vf size = vf_set(sqrtf((float)t->width[0] * (float)t->height[0])); /* its side in texels */
         texture_points p = {.u = at->u, .v = at->v, .inside = at->inside};
         p.color = (vf3){vf_set(0), vf_set(0), vf_set(0)}, p.alpha = vf_set(0);
         const texture_use use = {.linear = linear, .nearest = filter == DAFT_TEXTURE_NEAREST, .edges = at->edges};
-        sample(t, vf_log2(vf_max(at->footprint * size, vf_set(1e-20f))), filter, same, use, &p);
+        if (TEXTURES_ALONG)
+            sample_along(t, at, filter, same, use, &p);
+        else
+            sample(t, vf_log2(vf_max(side_of(at, t, filter), vf_set(1e-20f))), filter, same, use, &p);
         const vm mask = vm_from_bits(same);
         *color = (vf3){vf_if_then_else(mask, p.color.x, color->x), vf_if_then_else(mask, p.color.y, color->y),
                        vf_if_then_else(mask, p.color.z, color->z)};
@@ -208,9 +292,11 @@ DAFT_INLINE vbits with_texture(const daft_batch *batch, vi texture, uint32_t i)
            ~vbits_from_mask(vi_eq(texture, vi_set((int32_t)DAFT_NO_TEXTURE)));
 }
 
-bool DAFT_KERNEL(daft_albedo)(daft_batch *batch, const daft_surface *materials, const daft_texture_data *textures,
-                              daft_texture_filter filter)
+bool TEXTURES(daft_albedo)(daft_batch *batch, const daft_surface *materials, const daft_texture_data *textures,
+                           daft_texture_filter filter)
 {
+    if (!TEXTURES_ALONG && daft_filter_is_anisotropic(filter))
+        return DAFT_KERNEL(daft_albedo_along)(batch, materials, textures, filter);
     const vf one = vf_set(1);
     const bool colors = batch->traits & DAFT_TRAIT_COLORS;
     bool any = false;
@@ -234,10 +320,13 @@ bool DAFT_KERNEL(daft_albedo)(daft_batch *batch, const daft_surface *materials, 
     return any;
 }
 
-void DAFT_KERNEL(daft_map_color)(const daft_batch *batch, const daft_surface *materials,
-                                 const daft_texture_data *textures, daft_texture_filter filter, uint32_t map,
-                                 bool linear, uint32_t i, vf3 *color, vf *alpha)
+void TEXTURES(daft_map_color)(const daft_batch *batch, const daft_surface *materials, const daft_texture_data *textures,
+                              daft_texture_filter filter, uint32_t map, bool linear, uint32_t i, vf3 *color, vf *alpha)
 {
+    if (!TEXTURES_ALONG && daft_filter_is_anisotropic(filter)) {
+        DAFT_KERNEL(daft_map_color_along)(batch, materials, textures, filter, map, linear, i, color, alpha);
+        return;
+    }
     const material_reader m = read_materials(batch, materials, i);
     const vi texture = (vi)material_word(&m, offsetof(daft_surface, maps) / sizeof(float) + map);
     const vbits some = with_texture(batch, texture, i);
@@ -251,10 +340,14 @@ void DAFT_KERNEL(daft_map_color)(const daft_batch *batch, const daft_surface *ma
 
 /* Heights at three places, half a texel of the level of detail apart, of which slopes are made: in texels of the full
  * image, as Blinn does in "Simulation of Wrinkled Surfaces" (SIGGRAPH 1978). */
-void DAFT_KERNEL(daft_map_slopes)(const daft_batch *batch, const daft_surface *materials,
-                                  const daft_texture_data *textures, daft_texture_filter filter, uint32_t i,
-                                  vf *along_u, vf *along_v)
+void TEXTURES(daft_map_slopes)(const daft_batch *batch, const daft_surface *materials,
+                               const daft_texture_data *textures, daft_texture_filter filter, uint32_t i, vf *along_u,
+                               vf *along_v)
 {
+    if (!TEXTURES_ALONG && daft_filter_is_anisotropic(filter)) {
+        DAFT_KERNEL(daft_map_slopes_along)(batch, materials, textures, filter, i, along_u, along_v);
+        return;
+    }
     const material_reader m = read_materials(batch, materials, i);
     const vi texture = (vi)MATERIAL_WORD(&m, maps[DAFT_MAP_BUMP]);
     for (vbits left = with_texture(batch, texture, i); left;) {
@@ -263,13 +356,13 @@ void DAFT_KERNEL(daft_map_slopes)(const daft_batch *batch, const daft_surface *m
         const vbits same = left & vbits_from_mask(vi_eq(texture, vi_set(number)));
         const vf width = vf_set((float)t->width[0]), height = vf_set((float)t->height[0]);
         texture_lanes at = lanes_of(batch, &m, i);
-        vf step = is_flat(filter) ? vf_set(1) : vf_max(at.footprint * vf_sqrt(width * height), vf_set(1));
+        vf step = is_flat(filter) ? vf_set(1) : vf_max(side_of(&at, t, filter), vf_set(1));
         vf heights[4], unused = vf_set(0);
         for (int k = 0; k < 4; k++) {
             const vf way = k & 1 ? step * vf_set(0.5f) : step * vf_set(-0.5f);
             texture_lanes near = at;
-            if (k < 2) near.u = at.u + way / width;
-            if (k >= 2) near.v = at.v + way / height;
+            if (k < 2) near.u = at.u + way / width, near.free_u = at.free_u + way / width;
+            if (k >= 2) near.v = at.v + way / height, near.free_v = at.free_v + way / height;
             near.u = at.edges ? vf_if_then_else(at.inside, vf_clamp01(near.u), fraction(near.u)) : fraction(near.u);
             near.v = at.edges ? vf_if_then_else(at.inside, vf_clamp01(near.v), fraction(near.v)) : fraction(near.v);
             vf3 color = {vf_set(0), vf_set(0), vf_set(0)};

@@ -35,7 +35,8 @@ static const knob_row TABLE[KNOBS] = {
      {"min_weight=1/16", "min_weight=1/64", "min_weight=1/256", "min_weight=1/2048"}},
     {"texture_filter",
      "what a texture's colour is made of",
-     {"texture_filter=nearest", "texture_filter=bilinear", "texture_filter=mipmap", "texture_filter=trilinear"}},
+     {"texture_filter=nearest", "texture_filter=bilinear", "texture_filter=mipmap", "texture_filter=trilinear",
+      "texture_filter=anisotropic4", "texture_filter=anisotropic16"}},
     {"denoise", "whether what is sampled is filtered", {"denoise=off", "denoise=on"}},
 };
 

@@ -49,7 +49,7 @@ void daft_mesh_drop(daft_scene *scene, uint32_t index)
 static void texture_forget(daft_scene *scene, uint32_t index)
 {
     daft_assets *assets = &scene->assets;
-    daft_asset_key *key = &assets->texture_keys[index];
+    daft_texture_key *key = &assets->texture_keys[index];
     daft_map_remove(&assets->texture_map, key->hash, index);
     daft_release(scene->allocator, key->path);
     key->path = NULL;
@@ -405,24 +405,44 @@ static uint32_t texture_cached(const daft_scene *scene, const char *path, uint64
     return 0;
 }
 
+static bool is_same_change(const daft_texture_change *a, const daft_texture_change *b)
+{
+    return a->channel == b->channel && a->base == b->base && a->gain == b->gain && a->most == b->most;
+}
+
+/* The texture of the same file by another name: through links, other folders, another spelling. Files are few, and
+ * reading one takes far longer than to look at all of them. */
+static uint32_t texture_of_file(const daft_scene *scene, const daft_file_id *file, const daft_texture_change *change)
+{
+    const daft_assets *assets = &scene->assets;
+    for (uint32_t i = 0; file->number && i < assets->texture_slots.count; i++) {
+        const daft_texture_key *key = &assets->texture_keys[i];
+        if (assets->texture_slots.items[i].live && daft_file_id_equal(&key->file, file) &&
+            is_same_change(&key->change, change))
+            return daft_asset_id(&assets->texture_slots, i);
+    }
+    return 0;
+}
+
 /* Takes the data, also on failure. */
-static daft_texture texture_add(daft_scene *scene, const char *key, const char *path, daft_texture_data *data,
-                                daft_error *error)
+static daft_texture texture_add(daft_scene *scene, const char *name, const char *path, const daft_texture_key *key,
+                                daft_texture_data *data, daft_error *error)
 {
     daft_assets *assets = &scene->assets;
     const bool room = texture_reserve(scene, error) && daft_scene_note_file(scene, path, error);
-    char *copy = room ? daft_copy_string(scene->allocator, key) : NULL;
+    char *copy = room ? daft_copy_string(scene->allocator, name) : NULL;
     if (!copy) {
         daft_fail_memory(error, "a texture's path");
         daft_texture_free(scene->allocator, data);
         return (daft_texture){0};
     }
-    uint64_t hash = daft_path_hash(key);
+    uint64_t hash = daft_path_hash(name);
     daft_texture texture = {daft_asset_add(scene, &assets->texture_slots, assets->texture_states)};
     uint32_t index = daft_asset_index(texture.id);
     assets->textures[index] = *data;
     scene->looks = assets->textures[index].revision = ++scene->engine->revision;
-    assets->texture_keys[index] = (daft_asset_key){copy, hash};
+    assets->texture_keys[index] = *key;
+    assets->texture_keys[index].path = copy, assets->texture_keys[index].hash = hash;
     daft_map_add(&assets->texture_map, hash, index);
     return texture;
 }
@@ -476,19 +496,41 @@ static bool read_texture(const daft_scene *scene, const char *path, const daft_t
     return done;
 }
 
+/* Fills the key, and gives the texture that there is of its file, or 0. */
+static uint32_t texture_shared(daft_scene *scene, const char *path, daft_texture_key *key)
+{
+    if (!daft_file_identify(scene->engine->files, path, &key->file)) {
+        key->file = (daft_file_id){0};
+        return 0;
+    }
+    uint32_t texture = texture_of_file(scene, &key->file, &key->change);
+    return texture && daft_scene_note_file(scene, path, NULL) ? texture : 0;
+}
+
+static daft_texture texture_hold(daft_scene *scene, uint32_t texture)
+{
+    scene->assets.texture_states[daft_asset_index(texture)].holds++;
+    return (daft_texture){texture};
+}
+
 daft_texture daft_texture_load(daft_scene *scene, const char *path, daft_error *error)
 {
     daft_error_clear(error);
     if (!daft_scene_ready(scene, error) || !daft_check_pointer(error, "path", path)) return (daft_texture){0};
     uint32_t cached = texture_cached(scene, path, daft_path_hash(path));
     bool missing = cached && scene->assets.textures[daft_asset_index(cached)].missing;
-    daft_texture_data data = {0};
-    if ((!cached || missing) && !read_texture(scene, path, NULL, &data, error)) return (daft_texture){0};
-    if (!cached) return texture_add(scene, path, path, &data, error);
-    /* a material has asked for it before it was there: the checker gives way */
-    if (missing && !replace_texture(scene, cached, &data, error).id) return (daft_texture){0};
-    scene->assets.texture_states[daft_asset_index(cached)].holds++;
-    return (daft_texture){cached};
+    daft_texture_key key = {0};
+    if (!cached || missing) {
+        const uint32_t shared = texture_shared(scene, path, &key);
+        if (shared && !missing) return texture_hold(scene, shared);
+        daft_texture_data data = {0};
+        if (!read_texture(scene, path, NULL, &data, error)) return (daft_texture){0};
+        if (!cached) return texture_add(scene, path, path, &key, &data, error);
+        /* a material has asked for it before it was there: the checker gives way */
+        if (!replace_texture(scene, cached, &data, error).id) return (daft_texture){0};
+        scene->assets.texture_keys[daft_asset_index(cached)].file = key.file;
+    }
+    return texture_hold(scene, cached);
 }
 
 /* A map of a material: what it is, and its name in the cache, where a changed image has another than its file. */
@@ -536,20 +578,21 @@ daft_texture daft_texture_of_map(daft_scene *scene, const daft_mtl *mtl, daft_mt
 {
     map_source map;
     find_map(mtl, use, &map);
+    daft_texture_key key = {0};
+    if (daft_texture_is_changed(&map.change)) key.change = map.change;
     uint32_t cached = texture_cached(scene, map.key, daft_path_hash(map.key));
-    if (cached) {
-        scene->assets.texture_states[daft_asset_index(cached)].holds++;
-        return (daft_texture){cached};
-    }
+    if (!cached && !map.bytes) cached = texture_shared(scene, map.path, &key);
+    if (cached) return texture_hold(scene, cached);
     daft_texture_data data = {0};
     daft_error why = {0};
-    if (read_map(scene, &map, &data, &why)) return texture_add(scene, map.key, map.path, &data, error);
+    if (read_map(scene, &map, &data, &why)) return texture_add(scene, map.key, map.path, &key, &data, error);
     if (why.code == DAFT_ERROR_MEMORY) {
         if (error) *error = why;
         return (daft_texture){0};
     }
     if (!daft_texture_missing(scene->allocator, &data, error)) return (daft_texture){0};
-    daft_texture texture = texture_add(scene, map.key, map.path, &data, error);
+    key.file = (daft_file_id){0};
+    daft_texture texture = texture_add(scene, map.key, map.path, &key, &data, error);
     if (texture.id)
         daft_warn_at(&scene->engine->log, why.code, mtl->file, map.line, map.column,
                      "a checker stands in for the texture %s: %s", map.path, why.message);

@@ -157,10 +157,9 @@ static double bilinear(const daft_texture_data *t, int level, double u, double v
     return between(above, below, y - y0);
 }
 
-/* Two levels blend in the middle half of the interval between them. */
-static double trilinear(const daft_texture_data *t, double u, double v, double footprint, int channel)
+/* Two levels blend in the middle half of the interval between them. side: of the footprint, in texels. */
+static double trilinear(const daft_texture_data *t, double u, double v, double side, int channel)
 {
-    const double side = footprint * sqrt((double)t->width[0] * t->height[0]);
     const double level = fmin(fmax(log2(side), 0), t->levels - 1);
     const int fine = (int)level, coarse = fine + 1 < t->levels ? fine + 1 : fine;
     const double blend = fmin(fmax((level - fine) * 2 - 0.5, 0), 1);
@@ -191,11 +190,73 @@ static void texture_twin(void **unused)
         const float *const got[3] = {b->albedo.x, b->albedo.y, b->albedo.z};
         for (int i = 0; i < DAFT_BATCH; i++)
             for (int k = 0; k < 3; k++) {
-                const double want = trilinear(&texture, (double)b->u[i], (double)b->v[i], (double)b->footprint[i], k);
+                const double want =
+                    trilinear(&texture, (double)b->u[i], (double)b->v[i], (double)b->footprint[i] * sqrt(W * H), k);
                 assert_true(fabs((double)got[k][i] - want) < 2e-5);
             }
     }
     free(b);
+    daft_texture_free(&allocator, &texture);
+}
+
+/* Samples along the major axis of an ellipse with these conjugate diameters: their combination by an angle's cosine and
+ * sine is longest and shortest at angles a quarter turn apart. count: how many there are. */
+static double along_axis(const daft_texture_data *t, const float d[4], int most, double u, double v, int channel,
+                         double *count)
+{
+    const double w = t->width[0], h = t->height[0], ax = (double)d[0] * w, ay = (double)d[1] * h, bx = (double)d[2] * w,
+                 by = (double)d[3] * h;
+    double angle = atan2(2 * (ax * bx + ay * by), ax * ax + ay * ay - bx * bx - by * by) / 2, sum = 0;
+    const double x = ax * cos(angle) + bx * sin(angle), y = ay * cos(angle) + by * sin(angle), major = hypot(x, y),
+                 minor = hypot(bx * cos(angle) - ax * sin(angle), by * cos(angle) - ay * sin(angle));
+    *count = fmin(fmax(major / fmax(minor, 1), 1), most) + 0.875;
+    const int taps = (int)*count;
+    for (int k = 0; k < taps; k++) {
+        const double part = (k + 0.5) / taps - 0.5, tu = u + part * x / w, tv = v + part * y / h;
+        sum += trilinear(t, tu - floor(tu), tv - floor(tv), fmax(minor, major / taps), channel) / taps;
+    }
+    return sum;
+}
+
+/* Ellipses of all shapes, from far below a texel to many of them; as many samples as there may be, and no more. */
+static void anisotropic_twin(void **unused)
+{
+    (void)unused;
+    enum { W = 64, H = 40 };
+    const daft_allocator allocator = daft_malloc_allocator();
+    uint32_t state = 3;
+    uint8_t rgba[4 * W * H];
+    for (size_t i = 0; i < sizeof rgba; i++) rgba[i] = (uint8_t)((state = state * 1664525u + 1013904223u) >> 24);
+    daft_texture_data texture;
+    assert_true(daft_texture_build(&allocator, rgba, W, H, &texture, NULL));
+    const daft_surface material = {.texture = 0, .map_scale = {1, 1}};
+    daft_batch *b = calloc(1, sizeof *b);
+    daft_footprints *f = b->footprints = calloc(1, sizeof *f);
+    float *const diameters[4] = {f->first_u, f->first_v, f->second_u, f->second_v};
+    b->count = DAFT_BATCH, b->one_material = true;
+    for (int i = 0; i < DAFT_BATCH; i++) {
+        for (int k = 0; k < 4; k++) {
+            const float random = (float)((state = state * 1664525u + 1013904223u) >> 8) * 0x1p-23f - 1;
+            diameters[k][i] = random * exp2f((float)(i % 9) - 8) * (k < 2 && i % 2 ? 0.1f : 1);
+        }
+        b->u[i] = (float)(i * 37 % DAFT_BATCH) / DAFT_BATCH, b->v[i] = (float)i / DAFT_BATCH;
+    }
+    for (int isa = 0; isa <= daft_isa_best(); isa++)
+        for (int most = 4; most <= 16; most += 12) {
+            int full = 0, compared = 0;
+            assert_true(daft_shade_kernels_for(isa)->albedo(
+                b, &material, &texture, most == 4 ? DAFT_TEXTURE_ANISOTROPIC4 : DAFT_TEXTURE_ANISOTROPIC16));
+            for (int i = 0; i < DAFT_BATCH; i++) {
+                const float d[4] = {f->first_u[i], f->first_v[i], f->second_u[i], f->second_v[i]};
+                double count;
+                const double want = along_axis(&texture, d, most, (double)b->u[i], (double)b->v[i], 1, &count);
+                if (fabs(count - round(count)) < 1e-3) continue; /* one more or less by rounding */
+                assert_true(fabs((double)b->albedo.y[i] - want) < 1e-4);
+                compared++, full += (int)count == most;
+            }
+            assert_true(compared > DAFT_BATCH * 9 / 10 && full > 50);
+        }
+    free(f), free(b);
     daft_texture_free(&allocator, &texture);
 }
 
@@ -283,6 +344,7 @@ int main(void)
     const struct CMUnitTest tests[] = {cmocka_unit_test(lane_functions),    cmocka_unit_test(srgb_table),
                                        cmocka_unit_test(encode_round_trip), cmocka_unit_test(encode_near_thresholds),
                                        cmocka_unit_test(texture_sampling),  cmocka_unit_test(texture_twin),
-                                       cmocka_unit_test(sky_image),         cmocka_unit_test(sky_twin)};
+                                       cmocka_unit_test(anisotropic_twin),  cmocka_unit_test(sky_image),
+                                       cmocka_unit_test(sky_twin)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -8,7 +8,7 @@
 static const char *const UPSCALES[] = {"bilinear", "bicubic", "nearest"};
 static const char *const INTERSECTIONS[] = {"exact", "watertight", "fast"};
 static const char *const TREES[] = {"raster", "bvh", "kdtree"};
-static const char *const FILTERS[] = {"trilinear", "mipmap", "bilinear", "nearest"};
+static const char *const FILTERS[] = {"trilinear", "mipmap", "bilinear", "nearest", "anisotropic4", "anisotropic16"};
 static const double SAMPLES[] = {1, 4, 8, 16};
 static const double EDGE_SAMPLES[] = {0, 4, 16};
 
