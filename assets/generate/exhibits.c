@@ -104,6 +104,23 @@ static void spotlight(mesh *m)
     add_block(m, v3(-0.012, 0.05, -0.012), v3(0.012, 0.30, 0.012), 1);
 }
 
+/* A lamp on a wall: a plate, an arm, and a globe that glows. It faces +Z. */
+static void sconce(mesh *m)
+{
+    static const double cup[][2] = {{0.012, -0.06}, {0.012, 0}, {0.045, 0.02}, {0.052, 0.04}, {0.03, 0.04}};
+    use_material(m, "brass");
+    add_block(m, v3(-0.05, -0.16, 0), v3(0.05, 0.10, 0.02), 1);
+    add_block(m, v3(-0.012, -0.06, 0.02), v3(0.012, -0.036, 0.15), 1);
+    m->move = v3(0, 0, 0.14);
+    add_lathe(m, cup, 5, 20, 0);
+    m->move = v3(0, 0.105, 0.14);
+    use_material(m, "glow");
+    double globe[9][2];
+    for (int i = 0; i < 9; i++) globe[i][0] = 0.08 * sin(TAU * i / 16), globe[i][1] = -0.08 * cos(TAU * i / 16);
+    add_lathe(m, (const double(*)[2])globe, 9, 20, 0);
+    m->move = v3(0, 0, 0);
+}
+
 /* Rails for them, hung from the vault. */
 static void rails(mesh *m)
 {
@@ -342,6 +359,7 @@ bool generate_exhibits(const char *root)
         {"assets/meshes/gallery/looking_glass_frame.obj", looking_glass_frame},
         {"assets/meshes/gallery/rails.obj", rails},
         {"assets/meshes/gallery/spotlight.obj", spotlight},
+        {"assets/meshes/gallery/sconce.obj", sconce},
         {"assets/meshes/gallery/plinth.obj", plinth},
         {"assets/meshes/gallery/knot.obj", knot},
         {"assets/meshes/gallery/flame.obj", flame},

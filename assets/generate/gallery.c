@@ -304,7 +304,7 @@ static const char LIBRARY[] =
     "newmtl stucco\nKa 0.84 0.80 0.72\nKd 0.84 0.80 0.72\nKs 0 0 0\nillum 1\n\n"
     "newmtl field\nKa 0.26 0.40 0.42\nKd 0.26 0.40 0.42\nKs 0 0 0\nillum 1\n\n"
     "newmtl gilding\nKa 0.80 0.60 0.24\nKd 0.80 0.60 0.24\nKs 0.4 0.32 0.16\nNs 30\nillum 2\n\n"
-    "newmtl gold\nKa 0.42 0.29 0.11\nKd 0.50 0.35 0.13\nKs 0.38 0.29 0.13\nNs 60\nillum 3\n\n"
+    "newmtl gold\nKa 0.60 0.43 0.16\nKd 0.66 0.47 0.18\nKs 0.50 0.40 0.20\nNs 35\nillum 2\n\n"
     "newmtl polished_gold\nKa 0.05 0.035 0.01\nKd 0.06 0.045 0.02\nKs 0.95 0.72 0.36\nNs 400\nillum 3\n\n"
     "newmtl brass\nKa 0.22 0.17 0.08\nKd 0.34 0.26 0.12\nKs 0.48 0.38 0.2\nNs 120\nillum 3\n\n"
     "newmtl ebony\nKa 0.07 0.05 0.04\nKd 0.07 0.05 0.04\nKs 0.12 0.12 0.12\nNs 40\nillum 2\n\n"

@@ -163,6 +163,12 @@ static color valley(double u, double v)
     return c;
 }
 
+/* Level, but upright where trunks and grass are. */
+static double shore(double u, double v)
+{
+    return u < 0.36 && v < 0.34 ? 1.45 + 0.3 * noise(u * 9, v * 9, 4096, 105) : level(u, v);
+}
+
 /* ---- a lady by candle light ---- */
 
 static color lady_face(color c, double x, double y)
@@ -390,7 +396,12 @@ static color lilies(double u, double v)
 
 /* ---- a ship in a gale ---- */
 
-static double swell(double u, double v) { return 0.5 * sin(11 * u + 6 * v) + 0.4 * noise(u * 4, v * 4, 4096, 181); }
+/* Along the waves, and up the masts. */
+static double swell(double u, double v)
+{
+    if (fabs(u - 0.64) < 0.13 && v > 0.45 && v < 0.85) return 1.4;
+    return 0.5 * sin(11 * u + 6 * v) + 0.4 * noise(u * 4, v * 4, 4096, 181);
+}
 
 static color gale(double u, double v)
 {
@@ -444,7 +455,7 @@ static color fields(double u, double v)
 
 bool generate_paintings(const char *root)
 {
-    return paint(root, "assets/textures/gallery/valley.jpg", &(brush){valley, level, 1.5, 56, 201}) &&
+    return paint(root, "assets/textures/gallery/valley.jpg", &(brush){valley, shore, 1.5, 56, 201}) &&
            paint(root, "assets/textures/gallery/lady.jpg", &(brush){lady, slanted, 0.78, 66, 221}) &&
            paint(root, "assets/textures/gallery/fruit.jpg", &(brush){fruit, slanted, 1.25, 60, 241}) &&
            paint(root, "assets/textures/gallery/night.jpg", &(brush){night, whirling, 1.3, 40, 261}) &&
