@@ -139,7 +139,15 @@ void daft_media_begin(const tile_job *j, daft_batch *points, int depth)
     for (uint32_t i = 0; i < points->count; i++) points->media->from[i] = j->frame->eye;
 }
 
-/* Rays that go on start a little beyond the surface; what of other bodies lies in between is passed with it. */
+static bool holds(const daft_media *media, uint32_t material)
+{
+    for (int i = 0; i < DAFT_MEDIA; i++)
+        if (media->material[i] == material) return true;
+    return false;
+}
+
+/* Rays that go on start a little beyond the surface; what of other bodies lies in between is passed with it. A body
+ * that the ray is in already was entered shortly before: its surface crosses this one. */
 static void pass_touching(const tile_job *j, const daft_batch *b, uint32_t i, daft_media *beyond)
 {
     const daft_snapshot *s = j->snapshot;
@@ -150,8 +158,9 @@ static void pass_touching(const tile_job *j, const daft_batch *b, uint32_t i, da
     daft_hit hit;
     for (int k = 0; k < DAFT_MEDIA && j->r->accel->closest(j->frame->tlas, &ray, b->instance[i], &hit); k++) {
         const uint32_t material = material_of(s, &hit);
-        if (s->materials[material].transmission > 0)
-            daft_media_pass(beyond, s->materials, material, leaves(s, &ray, &hit));
+        const bool out = leaves(s, &ray, &hit);
+        if (s->materials[material].transmission > 0 && (out || !holds(&b->media->from[i], material)))
+            daft_media_pass(beyond, s->materials, material, out);
         ray.tmin = nextafterf(hit.t, INFINITY);
     }
 }
