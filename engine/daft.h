@@ -383,10 +383,13 @@ typedef struct daft_material_def {
     daft_vec3 emission;    /* light it gives off by itself; lights nothing else */
     /* Light that passes through, 0..1: the rest is left to `ambient` and `diffuse`. At each surface Fresnel's equations
      * divide it between a mirrored and a refracted ray. Everything outside closed meshes, and between two of them,
-     * counts as air. */
+     * counts as air, unless they have priorities. */
     float transmission;
-    daft_vec3 transmission_tint; /* 0..1 each: the refracted ray's light is multiplied by it, at each surface; 1, 1, 1
-                                  */
+    daft_vec3 transmission_tint; /* 0..1 each: the refracted ray's light is multiplied by it, at each surface or, with
+                                    a distance, in each such length of its way within the body; 1, 1, 1 */
+    float tint_distance;         /* metres; 0: each surface tints, however thick the body is */
+    int medium_priority;         /* 0..255. Where bodies overlap the higher one is there alone (Schmidt and Budge 2002);
+                                    0: what lies around the body counts as air, if it has no priority either */
     float refractive_index;      /* 0.001..10; 1: no bending and no mirroring; water 1.33, glass 1.5 (the default) */
     daft_texture diffuse_map;    /* multiplies `ambient` and `diffuse`; none: white */
     daft_vec2 map_scale;         /* repeats of the texture over one unit of u and v */

@@ -209,7 +209,9 @@ local voice = {}
 ---@field roughness? number How rough it is where it mirrors or lets light through: 0 is smooth (Pr) (number, 0 to 1); 0 unless given
 ---@field emission? daft.color|number Light that it gives off by itself; it lights nothing else; 0 unless given
 ---@field transmission? number The fraction of the light that passes through; the rest is left to color and ambient (number, 0 to 1); 0 unless given
----@field transmission_tint? daft.color The light that passes is multiplied by it at each surface; {1, 1, 1} unless given
+---@field transmission_tint? daft.color The light that passes is multiplied by it at each surface; with a tint_distance, along its way; {1, 1, 1} unless given
+---@field tint_distance? number The length in which light within the body takes on transmission_tint: twice as far, the square of it; 0: each surface tints (number, m, 0 or more); 0 unless given
+---@field medium_priority? number Where bodies that let light through overlap, the one with the higher number is there alone, so that wine touches glass; 0: what lies around it counts as air (number, 0 to 255); 0 unless given
 ---@field refractive_index? number How strongly light is bent, and so mirrored: water 1.33, glass 1.5, diamond 2.42; 1: not at all (number, 0.001 to 10); 1.5 unless given
 ---@field texture? "name" An image: "checker" is textures/checker.png in the game's folder or in assets/
 ---@field texture_scale? number|table Repeats of the texture over one unit of u and of v; on boxes one unit is a metre; 1 unless given

@@ -23,6 +23,7 @@ bool generate_studio(const char *root);
 bool generate_figure(const char *root);
 bool generate_leaves(const char *root);
 bool generate_gallery(const char *root);
+bool generate_wine(const char *root);
 bool generate_sculptures(const char *root); /* of the hall */
 bool generate_exhibits(const char *root);   /* of the gallery */
 bool generate_statues(const char *root);    /* of the gallery */

@@ -33,6 +33,7 @@ int main(int argc, char **argv)
     bool ok = generate_font(argv[1]) && generate_textures(argv[1]) && generate_sky(argv[1]) && generate_dusk(argv[1]) &&
               generate_meshes(argv[1]) && generate_hard(argv[1]) && generate_forest(argv[1]) &&
               generate_hall(argv[1]) && generate_town(argv[1]) && generate_studio(argv[1]) &&
-              generate_figure(argv[1]) && generate_leaves(argv[1]) && generate_gallery(argv[1]);
+              generate_figure(argv[1]) && generate_leaves(argv[1]) && generate_gallery(argv[1]) &&
+              generate_wine(argv[1]);
     return ok ? 0 : 1;
 }

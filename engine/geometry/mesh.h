@@ -108,8 +108,10 @@ typedef struct daft_mtl {
     uint32_t wrap;            /* -clamp: a daft_wrap */
     daft_mtl_maps *maps;      /* NULL: none beside map_Kd. The list's */
     daft_mtl_change diffuse_change;
-    daft_vec3 filter; /* Tf: 0..1 each */
-    bool has_filter;  /* the file names it */
+    daft_vec3 filter;    /* Tf: 0..1 each */
+    bool has_filter;     /* the file names it */
+    float tint_distance; /* tint_distance: metres in which light takes on the filter; 0: at each surface */
+    int priority;        /* medium_priority: 0..255 */
     int illum;
     char diffuse_map[1024]; /* path as opened (folder of the MTL joined), empty: none */
     uint8_t *map_bytes;     /* of a picture that the model holds itself; NULL: it is a file. The list's */

@@ -60,6 +60,8 @@ void daft_renderer_destroy(daft_renderer *r)
     daft_release(&allocator, r->varying);
     daft_release(&allocator, r->footprints);
     daft_release(&allocator, r->refracted);
+    daft_release(&allocator, r->crossings);
+    daft_release(&allocator, r->media);
     daft_mirrors_free(r);
     daft_release(&allocator, r->sum);
     daft_release(&allocator, r->edges);
@@ -137,7 +139,7 @@ static bool prepare_tree(daft_frame *frame, daft_error *error)
     daft_renderer *r = frame->renderer;
     const daft_snapshot *s = frame->snapshot;
     bool asked = frame->plan.shadows || frame->plan.occlusion || frame->plan.reflects || frame->plan.refracts ||
-                 s->quality.tree != DAFT_TREE_RASTER;
+                 s->quality.tree != DAFT_TREE_RASTER || (frame->plan.media && daft_media_near_eye(s));
     if (!asked) return true;
     const daft_tlas_def def = {.intersection = s->quality.visibility, .threads = r->threads, .isa = r->isa};
     if (!r->tlas) r->tlas = daft_tlas_build_for(&r->arena, s->instances, s->instance_count, &def, error);
@@ -232,7 +234,8 @@ static bool render_sample(daft_frame *frame, daft_counters *counters, daft_error
     daft_parallel_for(r->threads, r->raster.work_count, bin_task, frame);
     if (out_of_memory(r)) return daft_fail_memory(error, "the visible triangles");
     daft_plan_narrow(&frame->plan, s, &r->raster);
-    if (!prepare_refractions(frame, error) || !prepare_tree(frame, error) || !daft_mirrors_prepare(frame, error))
+    if (!prepare_refractions(frame, error) || !prepare_tree(frame, error) || !daft_media_prepare(frame, error) ||
+        !daft_mirrors_prepare(frame, error))
         return false;
     counters->effects[DAFT_EFFECT_VISIBILITY].ms += daft_clock_ms() - start;
     choose_rows(frame, apron_of(frame));
@@ -373,7 +376,8 @@ static void count_bytes(const daft_frame *frame, daft_counters *c)
     if (frame->plan.glossy && (e[DAFT_EFFECT_REFLECTION].ran || e[DAFT_EFFECT_REFRACTION].ran))
         e[e[DAFT_EFFECT_REFLECTION].ran ? DAFT_EFFECT_REFLECTION : DAFT_EFFECT_REFRACTION].bytes +=
             r->gloss_capacity * sizeof *r->gloss + r->third_capacity * sizeof *r->third;
-    if (e[DAFT_EFFECT_REFRACTION].ran) e[DAFT_EFFECT_REFRACTION].bytes += r->refracted_capacity * sizeof *r->refracted;
+    if (e[DAFT_EFFECT_REFRACTION].ran)
+        e[DAFT_EFFECT_REFRACTION].bytes += r->refracted_capacity * sizeof *r->refracted + daft_media_bytes(r);
     if (frame->snapshot->quality.samples > 1 && !frame->plan.denoise)
         e[DAFT_EFFECT_RESOLVE].bytes = r->sum_capacity * sizeof *r->sum;
     if (e[DAFT_EFFECT_ANTIALIASING].ran)

@@ -21,6 +21,7 @@ typedef struct daft_plan {
     int through_depth;                           /* surfaces that a path which passes through some may meet */
     bool tints, may_refract;                     /* some of these shadows let light through; some material transmits */
     bool filters;                                /* some of what keeps light away has alpha */
+    bool media, absorbs;                         /* some material has a priority or absorbs; or the latter alone */
     bool reflects, refracts;                     /* of the running sample: what is seen may send such rays on */
     const char *why[DAFT_EFFECT_COUNT];          /* what calls for the effect, or why nothing can */
     const char *why_not_seen[DAFT_EFFECT_COUNT]; /* the reason if no tile runs it after all */
@@ -137,6 +138,9 @@ struct daft_renderer {
     size_t passed_capacity;
     daft_ray_batch *refracted; /* the workers' */
     size_t refracted_capacity;
+    daft_crossings *crossings; /* the workers', of three batches each, where rays carry media */
+    daft_media *media;         /* the workers', of each of their lists of rays */
+    size_t crossing_capacity, media_capacity;
     daft_mirror mirrors[DAFT_MAX_MIRRORS];
     daft_mirror_mesh *mirror_meshes; /* those asked for of late */
     size_t mirror_mesh_count, mirror_mesh_capacity;
@@ -169,6 +173,8 @@ typedef struct daft_frame {
     daft_pencil pencil;
     const daft_tlas *tlas; /* NULL: nothing asks for rays */
     int sample;
+    bool media;                      /* rays carry what they are in */
+    daft_media eye;                  /* what the camera is in */
     int mirror_count;                /* planar ones, whose rays form pencils: those of a parent follow it */
     uint32_t first_tile, tile_count; /* of the running pass */
     uint32_t band_tile;              /* the first one that is wanted */
@@ -201,6 +207,10 @@ daft_plan daft_plan_make(const daft_snapshot *snapshot);
 /* Whether what the pencil may see (the instances in its bins) mirrors; and whether it transmits, or shows in a mirror
  * what may. */
 void daft_plan_narrow(daft_plan *plan, const daft_snapshot *snapshot, const daft_raster *raster);
+/* tile/media.c. Whether the camera may be in something that transmits; its media, and memory for those of rays. */
+bool daft_media_near_eye(const daft_snapshot *snapshot);
+bool daft_media_prepare(daft_frame *frame, daft_error *error);
+size_t daft_media_bytes(const daft_renderer *renderer);
 /* mirror.c. Finds the planar mirrors that are worth a pass of their own, also those seen in others, and puts what they
  * may show into tiles. */
 bool daft_mirrors_prepare(daft_frame *frame, daft_error *error);

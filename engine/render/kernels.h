@@ -4,6 +4,7 @@
 
 #include "math/simd/dispatch.h"
 #include "raster/raster.h"
+#include "render/media.h"
 #include "render/render.h"
 
 /* How far off a surface rays start. In units of u = 2^-24 and of S = |x| + |y| + |z| of the point plus that of the
@@ -38,6 +39,7 @@ typedef struct daft_ray_batch {
     daft_lanes3 weight;
     float distance[DAFT_BATCH_ROOM];
     uint32_t pixel[DAFT_BATCH_ROOM];
+    daft_media *media; /* that they are in; NULL: no material in the frame calls for it */
 } daft_ray_batch;
 
 /* The different facets (triangles or spheres) that a batch's rays meet. Rows are the kernels' own: see

@@ -23,6 +23,10 @@ static bool mirrors(const daft_surface *m) { return m->mirror.x > 0 || m->mirror
 
 static bool transmits(const daft_surface *m) { return m->transmission > 0; }
 
+static bool absorbs(const daft_surface *m) { return m->transmission > 0 && daft_surface_absorbs(m); }
+
+static bool ranks(const daft_surface *m) { return m->transmission > 0 && m->priority > 0; }
+
 static bool blends(const daft_surface *m) { return m->traits & DAFT_TRAIT_BLEND; }
 
 static bool lets_through(const daft_surface *m) { return transmits(m) || blends(m); }
@@ -134,6 +138,8 @@ daft_plan daft_plan_make(const daft_snapshot *snapshot)
     none[DAFT_EFFECT_REFRACTION] = plan.may_refract                      ? "nothing that transmits is seen"
                                    : plan.quality->refraction_depth == 0 ? "this quality has no refraction"
                                                                          : "no material transmits";
+    plan.absorbs = some_material(snapshot, absorbs);
+    plan.media = plan.absorbs || some_material(snapshot, ranks);
     plan.fog = snapshot->air.density > 0;
     why[DAFT_EFFECT_FOG] = "the scene has fog", none[DAFT_EFFECT_FOG] = "the scene has no fog";
     why[DAFT_EFFECT_SKY] = "the sky is seen", none[DAFT_EFFECT_SKY] = "the sky is not seen";

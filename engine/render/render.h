@@ -2,7 +2,7 @@
  * Promises: reads only the snapshot; the same snapshot gives the same bytes for any number of threads and any
  * instruction set; what the scene does not call for is not run, and the counters say so.
  *
- * Public headers: render.h Inner headers: internal.h kernels.h denoise.h dice.h redraw.h
+ * Public headers: render.h Inner headers: internal.h kernels.h media.h denoise.h dice.h redraw.h
  *
  * The snapshot is flat arrays in frame space: world axes, origin at the camera, floats. The caller rebases (in double).
  */

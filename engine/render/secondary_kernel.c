@@ -5,7 +5,9 @@
  * the mirrored and the refracted ray, and Snell's law bends the latter; past the critical angle all of it is mirrored.
  * Which index lies on which side follows from the hit alone, by the surface's outer side, so nothing is carried along a
  * path: a camera may stand in glass, and parts may cross each other; what lies beyond a surface that is left counts as
- * air. Radiance is not scaled by the square of the index: it would be scaled back where the light leaves again.
+ * air. Where materials have priorities or absorb, rays carry their media along (render/media.h), and tile/media.c has
+ * found what each point's surface is between. Radiance is not scaled by the square of the index: it would be scaled
+ * back where the light leaves again.
  *
  * Rough surfaces are facets (GGX: Walter, Marschner, Li, Torrance, "Microfacet Models for Refraction through Rough
  * Surfaces", EGSR 2007), each a smooth surface; a ray meets one of those that its viewer sees. Light that other facets
@@ -81,36 +83,15 @@ static daft_vec3 refracted(const interface *f, daft_vec3 view, daft_vec3 normal,
     return daft_normalize(d);
 }
 
-/* Whether a mesh's facet is seen from its inner side: the outer one is where its normals point, as for shading, or
- * where its corners run counter-clockwise if it has none. */
-static bool facet_from_inside(const daft_instance *instance, uint32_t triangle, daft_vec3 outward)
-{
-    const daft_trimesh *mesh = instance->mesh;
-    const uint32_t *corner = &mesh->indices[3 * (size_t)triangle];
-    if (mesh->normals) {
-        const uint32_t *at = mesh->normal_indices ? &mesh->normal_indices[3 * (size_t)triangle] : corner;
-        daft_vec3 sum = {0, 0, 0};
-        for (int k = 0; k < 3; k++)
-            sum = daft_add(sum, daft_normalize(daft_affine_transposed(&instance->to_object, mesh->normals[at[k]])));
-        return daft_dot(sum, outward) < 0;
-    }
-    daft_vec3 p[3];
-    for (int k = 0; k < 3; k++) p[k] = daft_v3(mesh->x[corner[k]], mesh->y[corner[k]], mesh->z[corner[k]]);
-    daft_vec3 local = daft_cross(daft_sub(p[1], p[0]), daft_sub(p[2], p[0]));
-    return daft_dot(daft_affine_transposed(&instance->to_object, local), outward) < 0;
-}
-
 static bool from_inside(const daft_snapshot *snapshot, const daft_batch *b, uint32_t i)
 {
-    const daft_instance *instance = &snapshot->instances[b->instance[i]];
-    daft_vec3 outward = lane3(&b->outward, i);
-    if (instance->mesh) return facet_from_inside(instance, b->triangle[i], outward);
-    const float *centre = instance->to_frame.t;
-    return daft_dot(daft_sub(lane3(&b->point, i), daft_v3(centre[0], centre[1], centre[2])), outward) < 0;
+    return daft_seen_from_inside(&snapshot->instances[b->instance[i]], b->triangle[i], lane3(&b->point, i),
+                                 lane3(&b->outward, i));
 }
 
+/* `media`: that the ray is in; read where rays carry them. */
 static void add_ray(const daft_batch *b, uint32_t i, daft_vec3 origin, daft_vec3 d, daft_vec3 weight,
-                    daft_ray_batch *rays)
+                    const daft_media *media, daft_ray_batch *rays)
 {
     uint32_t at = rays->count++;
     rays->origin.x[at] = origin.x, rays->origin.y[at] = origin.y, rays->origin.z[at] = origin.z;
@@ -118,7 +99,11 @@ static void add_ray(const daft_batch *b, uint32_t i, daft_vec3 origin, daft_vec3
     rays->weight.x[at] = weight.x, rays->weight.y[at] = weight.y, rays->weight.z[at] = weight.z;
     rays->distance[at] = b->distance[i];
     rays->pixel[at] = b->pixel[i];
+    if (rays->media) rays->media[at] = media[i];
 }
+
+static const daft_media *media_from(const daft_batch *b) { return b->media ? b->media->from : NULL; }
+static const daft_media *media_beyond(const daft_batch *b) { return b->media ? b->media->beyond : NULL; }
 
 static bool counts(daft_vec3 weight, float min) { return weight.x > min || weight.y > min || weight.z > min; }
 
@@ -166,16 +151,17 @@ static void divide(const daft_snapshot *snapshot, const daft_batch *b, uint32_t 
     const bool rough = allowed->rough && alpha > 0;
     daft_vec3 view = lane3(&b->view, i), outward = lane3(&b->outward, i);
     daft_vec3 normal = facet_at(b, i, alpha, allowed);
-    float eta = from_inside(snapshot, b, i) ? material->index : 1 / material->index;
+    float eta = b->media ? b->media->eta[i] : from_inside(snapshot, b, i) ? material->index : 1 / material->index;
     interface f = interface_at(eta, daft_dot(normal, view));
     if (!allowed->mirrors && f.fresnel < 1) f.fresnel = 0;
     float fraction = material->transmission * f.fresnel;
     daft_vec3 back = daft_mul(weight, daft_add(mirror, daft_v3(fraction, fraction, fraction)));
     if (counts(back, allowed->min))
-        add_ray(b, i, lane3(&b->point, i), mirrored(view, normal, outward, rough), back, mirror_rays);
+        add_ray(b, i, lane3(&b->point, i), mirrored(view, normal, outward, rough), back, media_from(b), mirror_rays);
     daft_vec3 on = daft_mul(weight, daft_scale(material->transmittance, 1 - f.fresnel));
     if (counts(on, allowed->min))
-        add_ray(b, i, place_beyond(snapshot, b, i), refracted(&f, view, normal, outward), on, refracted_rays);
+        add_ray(b, i, place_beyond(snapshot, b, i), refracted(&f, view, normal, outward), on, media_beyond(b),
+                refracted_rays);
 }
 
 /* What a surface that blends does not cover: straight on. */
@@ -183,7 +169,16 @@ static void pass_through(const daft_snapshot *snapshot, const daft_batch *b, uin
                          daft_ray_batch *rays)
 {
     const daft_vec3 left = daft_scale(weight, 1 - b->varying->opacity[i]);
-    if (counts(left, min)) add_ray(b, i, place_beyond(snapshot, b, i), daft_neg(lane3(&b->view, i)), left, rays);
+    if (counts(left, min))
+        add_ray(b, i, place_beyond(snapshot, b, i), daft_neg(lane3(&b->view, i)), left, media_from(b), rays);
+}
+
+/* A surface within a medium that wins: it is not there. */
+static void pass_by(const daft_snapshot *snapshot, const daft_batch *b, uint32_t i, float min, daft_ray_batch *rays)
+{
+    const daft_vec3 weight = lane3(&b->weight, i);
+    if (rays && counts(weight, min))
+        add_ray(b, i, place_beyond(snapshot, b, i), daft_neg(lane3(&b->view, i)), weight, media_beyond(b), rays);
 }
 
 static void spawn(const daft_snapshot *snapshot, const daft_batch *b, const daft_spawning *allowed,
@@ -198,6 +193,10 @@ static void spawn(const daft_snapshot *snapshot, const daft_batch *b, const daft
         const daft_surface *material = &snapshot->materials[b->material[i]];
         const float alpha = varying ? varying->alpha[i] : material->alpha;
         const bool rough = allowed->rough && alpha > 0;
+        if (b->media && b->media->eta[i] == 0) {
+            if (allowed->ray == 0) pass_by(snapshot, b, i, allowed->min, allowed->refracts ? refracted_rays : NULL);
+            continue;
+        }
         if (blends && varying->opacity[i] < 1)
             pass_through(snapshot, b, i, lane3(&b->weight, i), allowed->min, refracted_rays);
         if (allowed->ray && !rough) continue;
@@ -212,7 +211,7 @@ static void spawn(const daft_snapshot *snapshot, const daft_batch *b, const daft
         if (!counts(weight, allowed->min)) continue;
         const daft_vec3 normal = facet_at(b, i, alpha, allowed);
         daft_vec3 d = mirrored(lane3(&b->view, i), normal, lane3(&b->outward, i), rough);
-        add_ray(b, i, lane3(&b->point, i), d, weight, mirror_rays);
+        add_ray(b, i, lane3(&b->point, i), d, weight, media_from(b), mirror_rays);
     }
 }
 

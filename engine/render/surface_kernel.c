@@ -662,6 +662,7 @@ static void take_hits(const daft_snapshot *snapshot, const daft_ray_batch *from,
         b->distance[at] = from->distance[ray] + hit->t;
         b->pixel[at] = from->pixel[ray];
         b->instance[at] = f->instance[slot], b->triangle[at] = f->triangle[slot];
+        if (from->media) b->media->from[at] = from->media[ray];
     }
 }
 

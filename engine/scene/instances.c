@@ -230,7 +230,8 @@ static uint32_t shadow_of(const daft_scene *scene, const daft_instance *instance
     for (uint32_t i = 0; i < slots; i++) {
         const daft_surface *surface = &scene->assets.surfaces[instance->materials[i]];
         if (surface->transmission == 0) return DAFT_INSTANCE_CASTS_SHADOW;
-        dims |= surface->transmittance.x < 1 || surface->transmittance.y < 1 || surface->transmittance.z < 1;
+        dims |= surface->transmittance.x < 1 || surface->transmittance.y < 1 || surface->transmittance.z < 1 ||
+                daft_surface_absorbs(surface);
     }
     return dims ? DAFT_INSTANCE_TINTS_SHADOW : 0;
 }

@@ -43,6 +43,8 @@ typedef struct daft_surface {
     float normal_strength, bump_strength, opacity, cutoff;
     uint32_t maps[DAFT_MAPS]; /* textures, each DAFT_NO_TEXTURE or an index; DAFT_MAP_… */
     uint32_t alpha_channel;   /* of DAFT_MAP_ALPHA: a texel's byte, 0 to 3 */
+    int32_t priority;         /* of what transmits, where bodies overlap */
+    daft_vec3 absorption;     /* 1/m, base 2: of light on its way within the body */
 } daft_surface;
 
 /* Traits of materials: what their points call for beside Lambert's law. */
@@ -72,6 +74,12 @@ static inline uint32_t daft_surface_traits(const daft_surface *m)
 static inline bool daft_surface_is_textured(const daft_surface *m)
 {
     return m->texture != DAFT_NO_TEXTURE || m->traits & DAFT_TRAIT_MAPS;
+}
+
+/* Whether light on its way within the body gets less. */
+static inline bool daft_surface_absorbs(const daft_surface *m)
+{
+    return m->absorption.x > 0 || m->absorption.y > 0 || m->absorption.z > 0;
 }
 
 /* Whether some of what lies behind may be seen. */
@@ -206,6 +214,7 @@ typedef struct daft_batch {
                                       last */
     daft_varying *varying;         /* NULL: no material in the frame calls for it */
     daft_footprints *footprints;   /* NULL: no filter of textures asks */
+    struct daft_crossings *media;  /* render's; NULL: no material in the frame calls for it */
 } daft_batch;
 
 typedef struct daft_shade_kernels {

@@ -136,6 +136,24 @@ static void take_alpha(const reader *r, daft_mtl *out)
     if (out->alpha_mode == DAFT_ALPHA_OPAQUE) out->opacity = 1;
 }
 
+/* KHR_materials_transmission; with a thickness it is a body (KHR_materials_volume), which bends light and absorbs it.
+ * False: it lets no light through. */
+static bool take_transmission(const reader *r, daft_mtl *out)
+{
+    float passes = 0, thickness = 0, distance = 0;
+    if (!number(r, AI_MATKEY_TRANSMISSION_FACTOR, &passes) || !(passes > 0)) return false;
+    out->illum = 7, out->index = 1, out->filter = daft_min3(out->diffuse, daft_v3(1, 1, 1));
+    if (passes < 1) out->opacity = 1 - passes;
+    if (!number(r, AI_MATKEY_VOLUME_THICKNESS_FACTOR, &thickness) || !(thickness > 0)) return true;
+    out->index = 1.5f; /* where the file says nothing */
+    if (number(r, AI_MATKEY_REFRACTI, &out->index)) out->index = fminf(fmaxf(out->index, 0.001f), 10);
+    if (number(r, AI_MATKEY_VOLUME_ATTENUATION_DISTANCE, &distance) && distance > 0) {
+        color(r, AI_MATKEY_VOLUME_ATTENUATION_COLOR, &out->filter);
+        out->filter = daft_min3(out->filter, daft_v3(1, 1, 1)), out->tint_distance = distance;
+    }
+    return true;
+}
+
 /* glTF has roughness in green and metal in blue of one image. */
 static bool take_physical_maps(const reader *r, daft_mtl *out)
 {
@@ -161,8 +179,10 @@ static bool fill(const reader *r, uint32_t index, daft_mtl *out)
     if (number(r, AI_MATKEY_SHININESS, &out->shininess)) out->shininess = fminf(fmaxf(out->shininess, 0), 1000);
     color(r, AI_MATKEY_COLOR_EMISSIVE, &out->emission);
     if (number(r, AI_MATKEY_OPACITY, &out->opacity)) out->opacity = fminf(fmaxf(out->opacity, 0), 1);
-    const bool physical = from_metal(r, out);
+    const bool metallic = from_metal(r, out);
     take_alpha(r, out);
+    const bool physical = metallic && !take_transmission(r, out);
+    out->physical = physical;
     return take_map(r, aiTextureType_BASE_COLOR, DAFT_MTL_DIFFUSE, out) &&
            (out->diffuse_map[0] || take_map(r, aiTextureType_DIFFUSE, DAFT_MTL_DIFFUSE, out)) &&
            (!physical || take_physical_maps(r, out)) && take_map(r, aiTextureType_NORMALS, DAFT_MTL_NORMAL, out) &&

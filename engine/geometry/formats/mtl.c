@@ -196,6 +196,24 @@ static bool read_tf(reader *r, const char *word, const char *p)
     return true;
 }
 
+/* Ours: as in .scene files. */
+static bool read_tint_distance(reader *r, const char *word, const char *p)
+{
+    float value;
+    if (!read_last_number(r, word, p, &value)) return false;
+    r->current->tint_distance = clamp(r, word, value, 0, INFINITY);
+    return true;
+}
+
+static bool read_priority(reader *r, const char *word, const char *p)
+{
+    float value;
+    if (!read_last_number(r, word, p, &value)) return false;
+    if (value != floorf(value)) daft_text_warn(&r->text, word, "%g is no whole number: it is cut", (double)value);
+    r->current->priority = (int)clamp(r, word, value, 0, 255);
+    return true;
+}
+
 static bool read_ns(reader *r, const char *word, const char *p)
 {
     float value;
@@ -557,9 +575,23 @@ static const struct {
     const char *word;
     statement_function *read;
 } statements[] = {
-    {"newmtl", read_newmtl}, {"Ka", read_ka},         {"Kd", read_kd},       {"Ks", read_ks}, {"Ke", read_ke},
-    {"Kt", read_tf},         {"Tf", read_tf},         {"Ns", read_ns},       {"Ni", read_ni}, {"d", read_d},
-    {"Tr", read_tr},         {"map_Kd", read_map_kd}, {"illum", read_illum}, {"Pr", read_pr}, {"Pm", read_pm},
+    {"newmtl", read_newmtl},
+    {"Ka", read_ka},
+    {"Kd", read_kd},
+    {"Ks", read_ks},
+    {"Ke", read_ke},
+    {"Kt", read_tf},
+    {"Tf", read_tf},
+    {"Ns", read_ns},
+    {"Ni", read_ni},
+    {"d", read_d},
+    {"Tr", read_tr},
+    {"map_Kd", read_map_kd},
+    {"illum", read_illum},
+    {"Pr", read_pr},
+    {"Pm", read_pm},
+    {"tint_distance", read_tint_distance},
+    {"medium_priority", read_priority},
 };
 
 /* Known and not drawn. */

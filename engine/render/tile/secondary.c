@@ -48,6 +48,7 @@ void daft_tile_trace(tile_job *j, daft_ray_batch *rays, daft_effect_kind effect,
     s->sky.count = 0;
     for (uint32_t first = 0, count; first < rays->count; first += count) {
         count = trace_some(j, rays, first, shown, hits);
+        if (rays->media) daft_media_absorb(j, rays, first, hits, count);
         if (j->frame->plan.fog) daft_fog_rays(j, rays, first, hits, count);
         for (uint32_t i = 0; i < count; i++)
             if (hits[i].instance == UINT32_MAX) see_sky(&s->sky, rays, first + i);

@@ -39,8 +39,18 @@ static daft_vec3 transmittance(const daft_snapshot *snapshot, const daft_instanc
     return daft_scale(sum, 1 / (float)slots);
 }
 
-/* The lit points that the instance hides from the light keep of it what the instance transmits. */
-static void tint_points(tile_job *j, const daft_batch *points, const daft_light_source *light, uint32_t instance)
+static bool absorbs(const daft_snapshot *snapshot, const daft_instance *instance)
+{
+    uint32_t slots = instance->mesh && instance->mesh->slot_count ? instance->mesh->slot_count : 1;
+    for (uint32_t i = 0; i < slots; i++)
+        if (daft_surface_absorbs(&snapshot->materials[instance->materials[i]])) return true;
+    return false;
+}
+
+/* The lit points that the instance hides from the light keep of it what the instance transmits. `dimmed`: gets their
+ * bits where it absorbs. */
+static void tint_points(tile_job *j, const daft_batch *points, const daft_light_source *light, uint32_t instance,
+                        uint32_t *dimmed)
 {
     daft_scratch *s = j->s;
     daft_lanes3 *passed = s->passed;
@@ -54,6 +64,8 @@ static void tint_points(tile_job *j, const daft_batch *points, const daft_light_
         if (!((s->lit[i / 32] & ~s->under[i / 32]) >> (i % 32) & 1)) continue;
         passed->x[i] *= fraction.x, passed->y[i] *= fraction.y, passed->z[i] *= fraction.z;
     }
+    if (!absorbs(j->snapshot, &j->snapshot->instances[instance])) return;
+    for (uint32_t i = 0; i < DAFT_SAMPLES_WORDS; i++) dimmed[i] |= s->lit[i] & ~s->under[i];
 }
 
 const daft_lanes3 *daft_tile_tints(tile_job *j, const daft_batch *points, const daft_light_source *light)
@@ -63,14 +75,17 @@ const daft_lanes3 *daft_tile_tints(tile_job *j, const daft_batch *points, const 
     const daft_apex apex = daft_apex_of(light);
     uint32_t count =
         j->r->sample_kernels->tints(&samples, &apex, j->frame->tlas, s->lit, s->candidates, samples_scratch(j));
-    if (count == 0) return NULL;
+    uint32_t dimmed[DAFT_SAMPLES_WORDS] = {0};
+    const bool within = j->frame->plan.absorbs && daft_media_hold_points(j, points, dimmed);
+    if (count == 0 && !within) return NULL;
     for (uint32_t i = 0; i < points->count + 16; i++) s->passed->x[i] = s->passed->y[i] = s->passed->z[i] = 1;
     if (count != UINT32_MAX) {
-        for (uint32_t i = 0; i < count; i++) tint_points(j, points, light, s->candidates[i]);
+        for (uint32_t i = 0; i < count; i++) tint_points(j, points, light, s->candidates[i], dimmed);
     } else {
         for (uint32_t i = 0; i < j->snapshot->instance_count; i++)
-            if (j->snapshot->instances[i].flags & DAFT_INSTANCE_TINTS_SHADOW) tint_points(j, points, light, i);
+            if (j->snapshot->instances[i].flags & DAFT_INSTANCE_TINTS_SHADOW) tint_points(j, points, light, i, dimmed);
     }
+    if (j->frame->plan.absorbs) daft_media_dim(j, points, light, dimmed, s->passed);
     book(j, DAFT_EFFECT_SHADOW);
     return s->passed;
 }

@@ -28,7 +28,7 @@ void daft_tile_surfaces(tile_job *j, const daft_pencil *pencil, const daft_seen_
                                    .pencil = pencil,
                                    .shadows = frame->plan.shadows || frame->plan.occlusion,
                                    .distance = frame->target->aov.depth || frame->target->aov.motion ||
-                                               frame->plan.denoise || frame->plan.fog};
+                                               frame->plan.denoise || frame->plan.fog || frame->media};
     if (list)
         j->r->kernels->listed_surfaces(&def, list, &s->facets, &s->points, &s->sky);
     else
@@ -103,6 +103,7 @@ static void light_points(tile_job *j, daft_batch *points, int depth)
     if (points->traits & (DAFT_TRAIT_TEXTURE | DAFT_TRAIT_VARIES)) read_maps(j, points, depth);
     if (j->frame->plan.occlusion && points->count) daft_tile_occlusion(j, points), first = NULL;
     const surroundings around = where(j, points);
+    if (j->frame->media) daft_media_begin(j, points, depth);
     daft_redraw_points(j, points, seen);
     for (uint32_t i = 0; i < snapshot->light_count; i++) {
         const daft_light_source *light = &snapshot->lights[i];
@@ -125,6 +126,7 @@ static void light_points(tile_job *j, daft_batch *points, int depth)
         first = NULL;
     }
     if (first) j->r->shade->ambient(points, snapshot->materials, first);
+    if (j->frame->media) daft_media_end(j, points, depth);
     if (seen && j->frame->plan.fog) daft_fog_points(j, points);
     const bool sampled = j->s->sampled && j->s->sampled->some, filtered = j->frame->plan.denoise && !j->refines;
     if (sampled && filtered) daft_denoise_take(j, points, seen);

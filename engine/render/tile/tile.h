@@ -92,6 +92,17 @@ void daft_tile_trace(tile_job *j, daft_ray_batch *rays, daft_effect_kind effect,
 /* The deepest of the refracted rays that wait for points at `depth` or less to be done. Deeper ones have been followed,
  * so one batch for each depth is room enough. -1: none. */
 int daft_tile_deepest_waiting(const tile_job *j, int depth);
+/* media.c: of points so many surfaces away, before their light is known: the media they are seen from; and after it:
+ * what they cross, and the loss on the way from the camera. Of traced rays first..: what media take from their weight
+ * up to their hits. Only where rays carry media (frame->media). */
+void daft_media_begin(const tile_job *j, daft_batch *points, int depth);
+void daft_media_end(const tile_job *j, daft_batch *points, int depth);
+void daft_media_absorb(const tile_job *j, daft_ray_batch *rays, uint32_t first, const daft_hit *hits, uint32_t count);
+/* Adds the bits of points that lie in what absorbs; false: none does. What the media on the way to a light take, of the
+ * points of s->lit and of `bits`. */
+bool daft_media_hold_points(const tile_job *j, const daft_batch *points, uint32_t *bits);
+void daft_media_dim(const tile_job *j, const daft_batch *points, const daft_light_source *light, const uint32_t *bits,
+                    daft_lanes3 *passed);
 /* fog.c: on the way from the camera to a batch's points, whose weight becomes what comes through; to the sky, whose
  * light is in s->sky_color; and along traced rays first.. to their hits. Only where the frame has some. */
 void daft_fog_points(tile_job *j, daft_batch *points);

@@ -1,6 +1,8 @@
 /* Materials: their definition as users see it, the surface that the kernels read, and what an MTL entry becomes. */
 #include "scene/scene.h"
 
+#include "math/trig.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -109,6 +111,19 @@ static void set_physical(const daft_material_def *def, daft_surface *s)
     if (sends_mirrored(def)) s->mirror = daft_v3(1, 1, 1); /* at most: at grazing angles */
 }
 
+/* Light within becomes tint^(length / distance): 2^(-absorption · length). */
+static void set_medium(const daft_material_def *def, daft_surface *s)
+{
+    const double most = 1e30; /* 1/m: black at once */
+    s->priority = def->medium_priority;
+    if (!(def->tint_distance > 0)) return;
+    s->transmittance = daft_v3(def->transmission, def->transmission, def->transmission);
+    for (int k = 0; k < 3; k++)
+        daft_v3_put(
+            &s->absorption, k,
+            (float)fmin(-daft_log2((double)daft_v3_at(def->transmission_tint, k)) / (double)def->tint_distance, most));
+}
+
 static daft_surface surface_from(const daft_scene *scene, const daft_material_def *def)
 {
     float kept = 1 - def->transmission;
@@ -134,6 +149,7 @@ static daft_surface surface_from(const daft_scene *scene, const daft_material_de
     set_maps(scene, def, &surface);
     set_alpha(scene, def, &surface);
     set_physical(def, &surface);
+    set_medium(def, &surface);
     return surface;
 }
 
@@ -262,6 +278,7 @@ void daft_material_transmit(const daft_mtl *mtl, daft_material_def *def)
     def->refractive_index = refracts || glass ? mtl->index : 1;
     if (!refracts && !glass) return;
     def->transmission_tint = mtl->filter;
+    def->tint_distance = mtl->tint_distance, def->medium_priority = mtl->priority;
     if (mtl->opacity == 1 && (refracts || mtl->has_filter) && largest(mtl->filter) > 0) def->transmission = 1;
 }
 

@@ -131,6 +131,38 @@ static void materials_come_along(void **state)
     assert_true(files == 1 && strstr(daft_scene_get_file(f->scene, 0), "pyramid.gltf"));
 }
 
+/* Glass by KHR_materials_transmission, and wine by KHR_materials_volume beside it. */
+static void bodies_that_transmit_come_along(void **state)
+{
+    fixture *f = *state;
+    daft_error error;
+    char text[4000];
+    for (int volume = 0; volume < 2; volume++) {
+        put_buffer();
+        snprintf(text, sizeof text, PYRAMID,
+                 volume ? "},\"extensions\":{\"KHR_materials_transmission\":{\"transmissionFactor\":1},"
+                          "\"KHR_materials_volume\":{\"thicknessFactor\":0.1,\"attenuationDistance\":0.25,"
+                          "\"attenuationColor\":[0.75,0.125,0.25]}"
+                        : "},\"extensions\":{\"KHR_materials_transmission\":{\"transmissionFactor\":0.75}",
+                 "\"extensionsUsed\":[\"KHR_materials_transmission\",\"KHR_materials_volume\"],", "pyramid.bin");
+        daft_entity_def def = daft_default_entity_def();
+        def.shape = DAFT_SHAPE_MESH;
+        def.mesh = daft_mesh_load(f->scene, put_text(volume ? "wine.gltf" : "pane.gltf", text), &error);
+        const daft_entity entity = daft_entity_create(f->scene, &def, &error);
+        assert_true(entity.id != 0);
+        daft_ray_hit hit;
+        daft_material_def look;
+        assert_true(daft_scene_cast_ray(f->scene, daft_dv3(0.1, 0.1, -5), daft_v3(0, 0, 1), 100, (daft_entity){0}, &hit,
+                                        &error));
+        assert_true(daft_material_get(f->scene, hit.material, &look, &error));
+        assert_true(daft_entity_destroy(f->scene, entity, &error));
+        const daft_vec3 tint = volume ? daft_v3(0.75f, 0.125f, 0.25f) : daft_v3(0.5f, 0.25f, 0.125f);
+        assert_true(look.transmission == (volume ? 1 : 0.75f) && look.tint_distance == (volume ? 0.25f : 0));
+        assert_true(look.refractive_index == (volume ? 1.5f : 1) && look.shading == DAFT_SHADING_PHONG);
+        assert_true(memcmp(&look.transmission_tint, &tint, sizeof tint) == 0 && look.mirror == 0);
+    }
+}
+
 /* A picture in the file: a red PNG of one pixel. */
 static void pictures_within_are_used(void **state)
 {
@@ -215,6 +247,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(hierarchies_are_flattened_and_mirrored_parts_face_outwards, open_folder,
                                         close_folder),
+        cmocka_unit_test_setup_teardown(bodies_that_transmit_come_along, open_folder, close_folder),
         cmocka_unit_test_setup_teardown(materials_come_along, open_folder, close_folder),
         cmocka_unit_test_setup_teardown(pictures_within_are_used, open_folder, close_folder),
         cmocka_unit_test_setup_teardown(files_are_what_they_hold, open_folder, close_folder),

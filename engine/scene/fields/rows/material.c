@@ -29,7 +29,13 @@ static const daft_field ROWS[] = {
     ROW(transmission, FROM(0, 1), .lua = "transmission", .scene = "transmission",
         .doc = "The fraction of the light that passes through; the rest is left to color and ambient"),
     COLOR(transmission_tint, FROM(0, 1), .initial = {1, 1, 1}, .lua = "transmission_tint", .scene = "transmission_tint",
-          .doc = "The light that passes is multiplied by it at each surface"),
+          .doc = "The light that passes is multiplied by it at each surface; with a tint_distance, along its way"),
+    ROW(tint_distance, ZERO_OR_MORE, .unit = "m", .lua = "tint_distance", .scene = "tint_distance",
+        .doc = "The length in which light within the body takes on transmission_tint: twice as far, the square of it; "
+               "0: each surface tints"),
+    ROW(medium_priority, FROM(0, 255), .lua = "medium_priority", .scene = "medium_priority",
+        .doc = "Where bodies that let light through overlap, the one with the higher number is there alone, so that "
+               "wine touches glass; 0: what lies around it counts as air"),
     ROW(refractive_index, FROM((double)0.001f, 10), .initial = {1.5}, .lua = "refractive_index",
         .scene = "refractive_index",
         .doc = "How strongly light is bent, and so mirrored: water 1.33, glass 1.5, diamond 2.42; 1: not at all"),
