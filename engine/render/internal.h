@@ -222,10 +222,11 @@ void daft_mirrors_follow(const daft_frame *frame, const daft_batch *points, uint
 /* Draws the views of those mirrors by which enough of the tile's rays see; returns these mirrors as bits. */
 uint32_t daft_mirrors_tile(const daft_frame *frame, uint32_t number, uint32_t worker, const uint8_t *by,
                            const daft_ray_batch *rays);
-/* The hit of a ray from a mirror's view, as `closest` would give it, without the normal. False: the view does not
- * decide it, and the ray must be cast. */
-bool daft_mirrors_hit(const daft_frame *frame, uint32_t shown, uint32_t worker, const uint8_t *by,
-                      const daft_ray_batch *rays, uint32_t ray, daft_hit *hit);
+/* The hits of the rays first.. from the mirrors' views, as `closest` would give them, without the normal. Into `others`
+ * those of the rays, counted from the first, that no view decides and that must be cast; gives how many. */
+uint32_t daft_mirrors_hits(const daft_frame *frame, uint32_t shown, uint32_t worker, const uint8_t *by,
+                           const daft_ray_batch *rays, uint32_t first, uint32_t count, daft_hit *hits,
+                           uint32_t *others);
 /* A row of the picture, or of the apron. */
 static inline uint8_t *daft_frame_row(const daft_frame *frame, int y)
 {

@@ -461,21 +461,29 @@ uint32_t daft_mirrors_tile(const daft_frame *frame, uint32_t number, uint32_t wo
     return shown;
 }
 
-static daft_vec3 frame_corner(const daft_instance *s, uint32_t vertex)
+/* A triangle in frame space: a corner, and the edges from it. Neighbouring rays often meet the same. */
+typedef struct corners {
+    uint32_t instance, triangle;
+    daft_dvec3 a, e1, e2;
+} corners;
+
+static void set_corners(const daft_instance *s, uint32_t triangle, corners *c)
 {
     const daft_trimesh *m = s->mesh;
-    return daft_affine_point(&s->to_frame, daft_v3(m->x[vertex], m->y[vertex], m->z[vertex]));
+    const uint32_t *at = &m->indices[3 * (size_t)triangle];
+    daft_dvec3 p[3];
+    for (int k = 0; k < 3; k++)
+        p[k] = daft_to_double(daft_affine_point(&s->to_frame, daft_v3(m->x[at[k]], m->y[at[k]], m->z[at[k]])));
+    c->a = p[0], c->e1 = daft_dsub(p[1], p[0]), c->e2 = daft_dsub(p[2], p[0]);
 }
 
 /* Intersects the ray with the triangle's plane, ahead of its origin. Weights are clamped to the triangle. */
-static bool meet_triangle(const daft_instance *s, uint32_t triangle, daft_dvec3 o, daft_dvec3 d, daft_hit *hit)
+static bool meet_triangle(const corners *c, daft_dvec3 o, daft_dvec3 d, daft_hit *hit)
 {
-    const uint32_t *corner = &s->mesh->indices[3 * (size_t)triangle];
-    daft_dvec3 a = daft_to_double(frame_corner(s, corner[0])), from = daft_dsub(o, a);
-    daft_dvec3 e1 = daft_dsub(daft_to_double(frame_corner(s, corner[1])), a),
-               e2 = daft_dsub(daft_to_double(frame_corner(s, corner[2])), a);
-    daft_dvec3 p = daft_dcross(d, e2), q = daft_dcross(from, e1); /* Möller and Trumbore, 1997 */
-    double det = daft_ddot(e1, p), t = daft_ddot(e2, q) / det, u = daft_ddot(from, p) / det, v = daft_ddot(d, q) / det;
+    const daft_dvec3 from = daft_dsub(o, c->a);
+    const daft_dvec3 p = daft_dcross(d, c->e2), q = daft_dcross(from, c->e1); /* Möller and Trumbore, 1997 */
+    const double inverse = 1 / daft_ddot(c->e1, p), t = daft_ddot(c->e2, q) * inverse;
+    double u = daft_ddot(from, p) * inverse, v = daft_ddot(d, q) * inverse;
     if (!(t > 0) || !(fabs(u) + fabs(v) < 1e6)) return false;
     u = fmin(fmax(u, 0), 1), v = fmin(fmax(v, 0), 1 - u);
     hit->t = (float)t, hit->u = (float)u, hit->v = (float)v;
@@ -493,20 +501,39 @@ static bool meet_sphere(const daft_instance *s, daft_dvec3 o, daft_dvec3 d, daft
     return hit->t > 0 && hit->t < INFINITY;
 }
 
-bool daft_mirrors_hit(const daft_frame *frame, uint32_t shown, uint32_t worker, const uint8_t *by,
-                      const daft_ray_batch *rays, uint32_t ray, daft_hit *hit)
+/* False: the view does not decide it. */
+static bool find_hit(const daft_frame *frame, const daft_mirror *m, const daft_tile *seen, const daft_ray_batch *rays,
+                     uint32_t ray, corners *last, daft_hit *hit)
 {
-    const uint32_t pixel = rays->pixel[ray], which = by[pixel];
-    if (which >= DAFT_MAX_MIRRORS || !(shown >> which & 1)) return false;
-    const daft_renderer *r = frame->renderer;
-    const daft_tile *seen = &r->mirrored[worker * (uint32_t)frame->mirror_count + which];
-    uint32_t number = seen->instance[pixel];
+    const uint32_t pixel = rays->pixel[ray], number = seen->instance[pixel];
     *hit = (daft_hit){.t = INFINITY, .instance = DAFT_NOTHING};
     if (number == DAFT_NOTHING) return true;
-    hit->instance = r->mirrors[which].numbers[number], hit->triangle = seen->triangle[pixel];
+    hit->instance = m->numbers[number], hit->triangle = seen->triangle[pixel];
     const daft_instance *s = &frame->snapshot->instances[hit->instance];
-    daft_dvec3 o = daft_dv3((double)rays->origin.x[ray], (double)rays->origin.y[ray], (double)rays->origin.z[ray]);
-    daft_dvec3 d =
+    const daft_dvec3 o =
+        daft_dv3((double)rays->origin.x[ray], (double)rays->origin.y[ray], (double)rays->origin.z[ray]);
+    const daft_dvec3 d =
         daft_dv3((double)rays->direction.x[ray], (double)rays->direction.y[ray], (double)rays->direction.z[ray]);
-    return s->mesh ? meet_triangle(s, hit->triangle, o, d, hit) : meet_sphere(s, o, d, hit);
+    if (!s->mesh) return meet_sphere(s, o, d, hit);
+    if (last->instance != hit->instance || last->triangle != hit->triangle) {
+        set_corners(s, hit->triangle, last);
+        last->instance = hit->instance, last->triangle = hit->triangle;
+    }
+    return meet_triangle(last, o, d, hit);
+}
+
+uint32_t daft_mirrors_hits(const daft_frame *frame, uint32_t shown, uint32_t worker, const uint8_t *by,
+                           const daft_ray_batch *rays, uint32_t first, uint32_t count, daft_hit *hits, uint32_t *others)
+{
+    const daft_renderer *r = frame->renderer;
+    const daft_tile *views = &r->mirrored[worker * (uint32_t)frame->mirror_count];
+    corners last = {.instance = DAFT_NOTHING};
+    uint32_t left = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        const uint8_t which = by[rays->pixel[first + i]];
+        if (which >= DAFT_MAX_MIRRORS || !(shown >> which & 1) ||
+            !find_hit(frame, &r->mirrors[which], &views[which], rays, first + i, &last, &hits[i]))
+            others[left++] = i;
+    }
+    return left;
 }

@@ -20,12 +20,9 @@ static uint32_t trace_some(const tile_job *j, const daft_ray_batch *rays, uint32
 {
     daft_ray stream[STREAM];
     daft_hit found[STREAM];
-    uint32_t place[STREAM], count = daft_min_u(STREAM, rays->count - first), asked = 0;
-    for (uint32_t i = 0; i < count; i++) {
-        if (shown && daft_mirrors_hit(j->frame, shown, j->worker, j->s->seen_by, rays, first + i, &hits[i])) continue;
-        place[asked] = i;
-        put_ray(&stream[asked++], rays, first + i);
-    }
+    uint32_t place[STREAM], count = daft_min_u(STREAM, rays->count - first), asked = count;
+    if (shown) asked = daft_mirrors_hits(j->frame, shown, j->worker, j->s->seen_by, rays, first, count, hits, place);
+    for (uint32_t i = 0; i < asked; i++) put_ray(&stream[i], rays, first + (shown ? place[i] : i));
     j->r->accel->closest_stream(j->frame->tlas, stream, asked, UINT32_MAX, shown ? found : hits);
     for (uint32_t i = 0; shown && i < asked; i++) hits[place[i]] = found[i];
     return count;
