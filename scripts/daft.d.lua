@@ -318,15 +318,15 @@ local voice = {}
 ---@field wave? "sine"|"triangle"|"saw"|"square"|"noise" From soft to harsh; "sine" unless given
 ---@field pitch? number At the beginning of the sound (number, Hz, 10 to 20000); 440 unless given
 ---@field slide? number At its end; where only the pitch is given, the same (number, Hz, 10 to 20000); 440 unless given
----@field attack? number In which it rises (number, s, 0.001 to 10); 0.005 unless given
----@field hold? number In which it stays (number, s, 0 to 10); 0 unless given
----@field decay? number In which it falls to nothing (number, s, 0.001 to 10); 0.3 unless given
+---@field attack? number Time in which it rises (number, s, 0.001 to 10); 0.005 unless given
+---@field hold? number Time in which it stays (number, s, 0 to 10); 0 unless given
+---@field decay? number Time in which it falls to nothing (number, s, 0.001 to 10); 0.3 unless given
 ---@field vibrato? number By which the pitch sways, up and down (number, semitones, 0 to 24); 0 unless given
 ---@field vibrato_rate? number How often it does (number, Hz, 0.1 to 50); 6 unless given
 ---@field duty? number Part of a square wave that is high: thin or full (number, 0.05 to 0.95); 0.5 unless given
----@field cut? number Above which it is softened; 0: not at all (number, Hz, 0 to 20000); 0 unless given
+---@field cut? number What is higher is softened; 0: nothing is (number, Hz, 0 to 20000); 0 unless given
 ---@field volume? number How loud it is (number, 0 to 1); 0.6 unless given
----@field beat? number From one note to the next (number, s, 0.01 to 10); 0.25 unless given
+---@field beat? number Time from one note to the next (number, s, 0.01 to 10); 0.25 unless given
 ---@field notes? string A tune of such sounds, one each beat: "c4 e4 g#4 - bb4", - for a rest; it repeats without a gap
 
 ---@class daft.sound.play.options
@@ -334,9 +334,9 @@ local voice = {}
 ---@field pitch? number How many times as fast (number, 0.0625 to 16); 1 unless given
 ---@field pan? number -1: left; 1: right (number, -1 to 1); 0 unless given
 ---@field loop? boolean Over and over, without a gap; false unless given
----@field near? number Up to which it is as loud as it is (number, m, 0.01 to 1e+06); 3 unless given
----@field far? number From which on it is silent, more than near; where only that is given, at least twice as much (number, m, 0.02 to 2e+06); 100 unless given
----@field fade? number In which it rises (number, s, 0 to 60); 0 unless given
+---@field near? number Up to this distance it has its full volume (number, m, 0.01 to 1e+06); 3 unless given
+---@field far? number From this distance on it is silent: more than near; where only near is given, at least twice that (number, m, 0.02 to 2e+06); 100 unless given
+---@field fade? number Time in which it rises (number, s, 0 to 60); 0 unless given
 ---@field group? string Whose volume daft.volume sets
 ---@field at? daft.vector|daft.entity Where it is, or the entity that carries it; without, it is everywhere
 

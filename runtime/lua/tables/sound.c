@@ -93,15 +93,15 @@ static const daft_field SYNTH_FIELDS[] = {
             .doc = "From soft to harsh"),
     NUMBER(pitch, 10, 20000, .unit = "Hz", .doc = "At the beginning of the sound"),
     NUMBER(slide, 10, 20000, .unit = "Hz", .doc = "At its end; where only the pitch is given, the same"),
-    NUMBER(attack, 0.001, 10, .unit = "s", .doc = "In which it rises"),
-    NUMBER(hold, 0, 10, .unit = "s", .doc = "In which it stays"),
-    NUMBER(decay, 0.001, 10, .unit = "s", .doc = "In which it falls to nothing"),
+    NUMBER(attack, 0.001, 10, .unit = "s", .doc = "Time in which it rises"),
+    NUMBER(hold, 0, 10, .unit = "s", .doc = "Time in which it stays"),
+    NUMBER(decay, 0.001, 10, .unit = "s", .doc = "Time in which it falls to nothing"),
     NUMBER(vibrato, 0, 24, .unit = "semitones", .doc = "By which the pitch sways, up and down"),
     NUMBER(vibrato_rate, 0.1, 50, .unit = "Hz", .doc = "How often it does"),
     NUMBER(duty, 0.05, 0.95, .doc = "Part of a square wave that is high: thin or full"),
-    NUMBER(cut, 0, 20000, .unit = "Hz", .doc = "Above which it is softened; 0: not at all"),
+    NUMBER(cut, 0, 20000, .unit = "Hz", .doc = "What is higher is softened; 0: nothing is"),
     NUMBER(volume, 0, 1, .doc = "How loud it is"),
-    NUMBER(beat, 0.01, 10, .unit = "s", .doc = "From one note to the next"),
+    NUMBER(beat, 0.01, 10, .unit = "s", .doc = "Time from one note to the next"),
 };
 const api_list api_synth_list = {SYNTH_FIELDS, COUNT_OF(SYNTH_FIELDS), set_synth_default};
 static const api_special SYNTH_SPECIALS[] = {
@@ -200,10 +200,10 @@ static const daft_field PLAY_FIELDS[] = {
     API_ROW(play_wish, v.pan, "pan", DAFT_FIELD_FLOAT, .min = -1, .max = 1, .doc = "-1: left; 1: right"),
     API_ROW(play_wish, v.loops, "loop", DAFT_FIELD_BOOL, .doc = "Over and over, without a gap"),
     API_ROW(play_wish, v.near, "near", DAFT_FIELD_FLOAT, .unit = "m", .min = (double)0.01f, .max = 1e6,
-            .doc = "Up to which it is as loud as it is"),
+            .doc = "Up to this distance it has its full volume"),
     API_ROW(play_wish, v.far, "far", DAFT_FIELD_FLOAT, .unit = "m", .min = (double)0.02f, .max = 2e6,
-            .doc = "From which on it is silent, more than near; where only that is given, at least twice as much"),
-    API_ROW(play_wish, fade, "fade", DAFT_FIELD_DOUBLE, .unit = "s", .max = 60, .doc = "In which it rises"),
+            .doc = "From this distance on it is silent: more than near; where only near is given, at least twice that"),
+    API_ROW(play_wish, fade, "fade", DAFT_FIELD_DOUBLE, .unit = "s", .max = 60, .doc = "Time in which it rises"),
 };
 const api_list api_voice_list = {PLAY_FIELDS, COUNT_OF(PLAY_FIELDS), set_play_default};
 static const api_special PLAY_SPECIALS[] = {
