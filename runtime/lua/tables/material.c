@@ -349,7 +349,8 @@ static daft_mesh load_mesh(lua_State *L, host *h, int index, const char *what)
     char path[PATH_SIZE], file[PATH_SIZE];
     snprintf(file, sizeof file, "meshes/%.900s", name);
     daft_error error;
-    if (!host_find_file(h, name, path, sizeof path, &error) && !host_find_file(h, file, path, sizeof path, NULL))
+    if (!host_find_file(h, name, path, sizeof path, NULL) && !host_find_file(h, file, path, sizeof path, NULL) &&
+        !host_find_file(h, name, path, sizeof path, &error)) /* for its message, which lists folders */
         api_engine_error(L, h, &error);
     daft_mesh mesh = daft_mesh_load(h->def.scene, path, &error);
     if (mesh.id == 0) api_engine_error(L, h, &error);
