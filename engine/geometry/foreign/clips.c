@@ -114,6 +114,7 @@ static bool put_cubic(maker *m, daft_json sampler, daft_rig_channel channel, uin
     const size_t width = daft_rig_width(channel), row = times && rows && count ? numbers / 3 / count : 0;
     *done = row >= width * (part + 1) && numbers == 3 * row * count && count <= UINT32_MAX;
     m->straight |= !*done;
+    if (gltf->out_of_memory) return *done = false;
     if (*done && !put_spline(m, channel, of, times, (uint32_t)count, rows, row, width * part)) return *done = false;
     return true;
 }

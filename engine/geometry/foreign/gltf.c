@@ -178,19 +178,20 @@ static void decode(daft_gltf *g, const char *text, const char *end, struct daft_
         kept = kept << 6 | (uint32_t)value, bits += 6;
         if (bits >= 8) bits -= 8, bytes[out->size++] = (uint8_t)(kept >> bits);
     }
-    out->at = bytes;
+    out->at = bytes, g->out_of_memory |= !bytes;
 }
 
 static void read_file(daft_gltf *g, daft_json uri, struct daft_gltf_bytes *out)
 {
     char name[1024], path[1024];
-    daft_error ignored;
+    daft_error why = {0};
     size_t size;
     daft_json_string(uri, name, sizeof name);
     if (!name[0] || !daft_path_beside(g->from->path, name, path, sizeof path)) return;
-    char *bytes = daft_file_read(g->from->allocator, g->from->files, path, &size, &ignored);
+    char *bytes = daft_file_read(g->from->allocator, g->from->files, path, &size, &why);
     uint8_t *copy = bytes ? daft_arena_alloc(&g->arena, size + 1, 1) : NULL;
     if (copy) memcpy(copy, bytes, size), out->at = copy, out->size = size;
+    g->out_of_memory |= bytes ? !copy : why.code == DAFT_ERROR_MEMORY;
     daft_release(g->from->allocator, bytes);
 }
 
@@ -254,6 +255,7 @@ static float *read_floats(daft_gltf *g, daft_json accessor, size_t *count)
         first > buffer->size || (items - 1) * stride + size > buffer->size - first)
         return NULL;
     float *out = daft_arena_alloc(&g->arena, (size_t)items * width, sizeof *out);
+    g->out_of_memory |= !out;
     for (size_t i = 0; out && i < items; i++) memcpy(out + i * width, buffer->at + first + i * stride, size);
     *count = (size_t)items * width;
     return out;

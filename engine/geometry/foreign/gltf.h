@@ -32,6 +32,7 @@ typedef struct daft_gltf {
         const float *at; /* NULL: not asked for yet, or not to be had */
         size_t count;
     } * numbers; /* of each accessor */
+    bool out_of_memory;
 } daft_gltf;
 
 /* Call daft_gltf_close in any case. False: memory is out. */
@@ -46,8 +47,8 @@ daft_json daft_gltf_light(const daft_gltf *gltf, uint32_t node);
 bool daft_gltf_is_linear(const daft_gltf *gltf, uint32_t clip);
 /* How a clip moves "translation", "rotation", "scale" or "weights" of a node; nothing: it does not. */
 daft_json daft_gltf_sampler(const daft_gltf *gltf, uint32_t clip, uint32_t node, const char *path);
-/* All numbers of the accessor of this number, a sampler's "input" or "output". NULL: they are no floats, or are packed
- * in some way that is not read here, or memory is out. They live as long as the gltf. */
+/* All numbers of the accessor of this number, a sampler's "input" or "output", as long as the gltf lives. NULL: they
+ * are no floats, or are packed in some way that is not read here, or out_of_memory says why. */
 const float *daft_gltf_floats(daft_gltf *gltf, daft_json number, size_t *count);
 
 #endif

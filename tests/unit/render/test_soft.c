@@ -193,6 +193,7 @@ static void lights_end_where_they_say(void **unused)
         def.direction = (daft_vec3){(float)r[3] - 0.5f, (float)(-0.2 - r[4]), (float)r[5] - 0.5f};
         def.range = i % 3 == 2 ? 0 : (float)(0.3 + r[6]);
         def.inverse_square = i % 5 == 1;
+        if (def.inverse_square) def.position.y += 0.5; /* nearer, floats' rounding of places shows */
         def.outer_angle = (float)(0.1 + 1.8 * r[7] * r[7]), def.inner_angle = 0.6f * def.outer_angle;
         def.color = (daft_vec3){0.5f, 0.5f, 0.5f};
         defs[i] = def;
