@@ -151,6 +151,34 @@ daft_plan daft_plan_make(const daft_snapshot *snapshot)
     return plan;
 }
 
+static float beyond(float x, float low, float high) { return x < low ? low - x : x > high ? x - high : 0; }
+
+static bool soft_light_reaches(const daft_snapshot *snapshot, const daft_instance *instance)
+{
+    for (uint32_t i = 0; i < snapshot->light_count; i++) {
+        const daft_light_source *light = &snapshot->lights[i];
+        if (!light->casts_shadow || !(light->radius > 0)) continue;
+        const daft_vec3 away = daft_v3(beyond(light->position.x, instance->low.x, instance->high.x),
+                                       beyond(light->position.y, instance->low.y, instance->high.y),
+                                       beyond(light->position.z, instance->low.z, instance->high.z));
+        if (light->sun || !(light->range > 0) || daft_dot(away, away) <= light->range * light->range * 1.0001f)
+            return true;
+    }
+    return false;
+}
+
+/* Where nothing is sampled, nothing is kept for the filter. With more samples of all pixels, the next may see more. */
+static void narrow_sampling(daft_plan *plan, const daft_snapshot *snapshot, const daft_raster *raster)
+{
+    if (!plan->denoise || plan->quality->samples > 1 || plan->reflects || plan->refracts) return;
+    bool reached = false;
+    for (uint32_t i = 0; plan->soft && !reached && i < raster->instance_count; i++)
+        reached = raster->visible[i].instance && soft_light_reaches(snapshot, raster->visible[i].instance);
+    plan->soft = reached, plan->glossy = false;
+    plan->samples_light = plan->soft || plan->occlusion;
+    plan->denoise = plan->samples_light;
+}
+
 void daft_plan_narrow(daft_plan *plan, const daft_snapshot *snapshot, const daft_raster *raster)
 {
     const bool asked = plan->may_reflect || plan->may_refract;
@@ -162,4 +190,5 @@ void daft_plan_narrow(daft_plan *plan, const daft_snapshot *snapshot, const daft
         plan->reflects |= mirror;
         plan->refracts |= plan->may_refract && (mirror || has(snapshot, instance, lets_through));
     }
+    narrow_sampling(plan, snapshot, raster);
 }

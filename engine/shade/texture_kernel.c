@@ -376,6 +376,7 @@ void TEXTURES(daft_map_slopes)(const daft_batch *batch, const daft_surface *mate
     }
 }
 
+#if !TEXTURES_ALONG /* the finest level is the same to all filters */
 /* As the sky's image lies around the scene. The finest level: how fast the mirrored direction turns is not known. */
 void DAFT_KERNEL(daft_map_around)(const daft_batch *batch, const daft_surface *materials,
                                   const daft_texture_data *textures, daft_texture_filter filter, uint32_t i,
@@ -392,3 +393,4 @@ void DAFT_KERNEL(daft_map_around)(const daft_batch *batch, const daft_surface *m
     vf unused = vf_set(1);
     sample_lanes(&at, texture, some, textures, filter, false, color, &unused);
 }
+#endif

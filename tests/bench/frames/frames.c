@@ -198,7 +198,8 @@ static void measure_frame(bench *self, const bench_scene *scene, int threads, bo
 
 /* ---- not called for ---- */
 
-/* The same picture twice: `plain`, and `laden` with a mirror that nobody sees, since it is behind the camera. */
+/* The same picture twice: `plain`, and `laden` with something that an effect is for and nobody sees, since it is behind
+ * the camera. */
 typedef struct unseen_job {
     bench_frame *plain, *laden;
 } unseen_job;
@@ -215,35 +216,69 @@ static double unseen_peer(void *context)
     return bench_frame_ms(job->plain);
 }
 
+/* Rays and bytes beyond the plain picture's, of all effects. */
 static void unseen_describe(void *context, char *out, size_t size)
 {
     unseen_job *job = context;
-    const daft_counters *c = bench_frame_counters(job->laden);
-    const daft_effect *mirrors = &c->effects[DAFT_EFFECT_REFLECTION], *shadows = &c->effects[DAFT_EFFECT_SHADOW];
+    const daft_counters *c = bench_frame_counters(job->laden), *plain = bench_frame_counters(job->plain);
+    uint64_t rays = 0, bytes = 0;
+    for (int e = 0; e < DAFT_EFFECT_COUNT; e++)
+        rays += c->effects[e].rays - plain->effects[e].rays, bytes += c->effects[e].bytes - plain->effects[e].bytes;
     bool same =
         memcmp(bench_frame_pixels(job->plain), bench_frame_pixels(job->laden), (size_t)(4 * c->width * c->height)) == 0;
-    snprintf(out, size, "%llu rays and %llu bytes for mirrors, %llu and %llu for shadows, %s picture",
-             (unsigned long long)mirrors->rays, (unsigned long long)mirrors->bytes, (unsigned long long)shadows->rays,
-             (unsigned long long)shadows->bytes, same ? "the same" : "ANOTHER");
+    snprintf(out, size, "%llu rays and %llu bytes more, %s picture", (unsigned long long)rays,
+             (unsigned long long)bytes, same ? "the same" : "ANOTHER");
 }
 
-static const char UNSEEN[] = "frame, unseen mirror, no light";
+typedef enum unseen_kind {
+    UNSEEN_MIRROR,
+    UNSEEN_GLASS,
+    UNSEEN_GLOSS,
+    UNSEEN_TEXTURE,
+    UNSEEN_BLEND,
+    UNSEEN_LIGHT
+} unseen_kind;
+static const struct {
+    const char *what, *scene; /* NULL: all of UNSEEN_SCENES */
+} UNSEEN[] = {[UNSEEN_MIRROR] = {"frame, unseen mirror, no light", NULL},
+              [UNSEEN_GLASS] = {"frame, unseen glass, no light", "cow, whole"},
+              [UNSEEN_GLOSS] = {"frame, unseen rough mirror, no light", "cow, whole"},
+              [UNSEEN_TEXTURE] = {"frame, unseen texture, no light", "cow, whole"},
+              [UNSEEN_BLEND] = {"frame, unseen film, no light", "cow, whole"},
+              [UNSEEN_LIGHT] = {"frame, a soft light out of reach", "cow, whole"}};
 static const char *const UNSEEN_SCENES[] = {"cow, whole", "1,000 instances of the cow", "interior"};
 
-static bool wants_unseen(bench *self, const char *scene)
+static bool wants_unseen(bench *self, const char *scene, size_t kind)
 {
+    if (UNSEEN[kind].scene)
+        return strcmp(scene, UNSEEN[kind].scene) == 0 && bench_wants(self, scene, UNSEEN[kind].what);
     for (size_t i = 0; i < DAFT_COUNT_OF(UNSEEN_SCENES); i++)
-        if (strcmp(scene, UNSEEN_SCENES[i]) == 0) return bench_wants(self, scene, UNSEEN);
+        if (strcmp(scene, UNSEEN_SCENES[i]) == 0) return bench_wants(self, scene, UNSEEN[kind].what);
     return false;
 }
 
-static bool add_unseen(bench_frame *frame, const bench_scene *scene)
+static bool wants_any_unseen(bench *self, const char *scene)
 {
-    daft_vec3 behind = daft_sub(scene->view.from, daft_scale(scene->view.forward, 3));
+    for (size_t kind = 0; kind < DAFT_COUNT_OF(UNSEEN); kind++)
+        if (wants_unseen(self, scene, kind)) return true;
+    return false;
+}
+
+static bool add_unseen(bench_frame *frame, const bench_scene *scene, unseen_kind kind)
+{
+    const daft_dvec3 behind = daft_to_double(daft_sub(scene->view.from, daft_scale(scene->view.forward, 3)));
     daft_material_def material = daft_default_material_def();
-    material.mirror = 0.9f;
+    daft_light_def light = daft_default_light_def();
     daft_entity_def def = daft_default_entity_def();
-    def.shape = DAFT_SHAPE_SPHERE, def.radius = 1, def.position = daft_to_double(behind);
+    light.position = behind, light.range = 1, light.radius = 0.2f;
+    if (kind == UNSEEN_LIGHT) return daft_light_create(frame->scene, &light, NULL).id;
+    if (kind == UNSEEN_MIRROR || kind == UNSEEN_GLOSS) material.mirror = 0.9f;
+    if (kind == UNSEEN_GLOSS) material.roughness = 0.4f;
+    if (kind == UNSEEN_GLASS) material.transmission = 0.9f;
+    if (kind == UNSEEN_BLEND) material.alpha_mode = DAFT_ALPHA_BLEND, material.opacity = 0.5f;
+    if (kind == UNSEEN_TEXTURE)
+        material.diffuse_map = daft_texture_load(frame->scene, DAFT_ROOT "/assets/textures/brick.png", NULL);
+    def.shape = DAFT_SHAPE_SPHERE, def.radius = 1, def.position = behind;
     def.material = daft_material_create(frame->scene, &material, NULL);
     return def.material.id && daft_entity_create(frame->scene, &def, NULL).id;
 }
@@ -272,11 +307,11 @@ static void measure_pair(bench *self, const bench_scene *scene, int threads, uns
     bench_measure(self, &subject);
 }
 
-static void measure_unseen(bench *self, const bench_scene *scene, int threads)
+static void measure_unseen(bench *self, const bench_scene *scene, int threads, unseen_kind kind)
 {
-    const frame_pair pair = {UNSEEN, "without it", unseen_describe, {.floor = 0.99}};
+    const frame_pair pair = {UNSEEN[kind].what, "without it", unseen_describe, {.floor = 0.99}};
     unseen_job job = {bench_frame_create(self, scene, threads, 0), bench_frame_create(self, scene, threads, 0)};
-    if (job.plain && job.laden && add_unseen(job.laden, scene)) measure_pair(self, scene, threads, &job, &pair);
+    if (job.plain && job.laden && add_unseen(job.laden, scene, kind)) measure_pair(self, scene, threads, &job, &pair);
     bench_frame_destroy(job.plain);
     bench_frame_destroy(job.laden);
 }
@@ -350,13 +385,14 @@ void bench_frames(bench *self)
     int threads[2], count = bench_thread_counts(self, threads);
     for (size_t i = 0; i < bench_scene_count(); i++) {
         const char *name = bench_scene_name(i);
-        bool still = bench_wants(self, name, STILL), moved = wants_moved(self, name), unseen = wants_unseen(self, name),
-             mirror = wants_mirror(self, name);
+        bool still = bench_wants(self, name, STILL), moved = wants_moved(self, name),
+             unseen = wants_any_unseen(self, name), mirror = wants_mirror(self, name);
         bench_scene scene;
         if (!(still || moved || unseen || mirror) || !bench_scene_make(self, i, &scene)) continue;
         for (int t = 0; t < count; t++) {
             if (still || moved) measure_frame(self, &scene, threads[t], still, moved);
-            if (unseen) measure_unseen(self, &scene, threads[t]);
+            for (size_t kind = 0; unseen && kind < DAFT_COUNT_OF(UNSEEN); kind++)
+                if (wants_unseen(self, name, kind)) measure_unseen(self, &scene, threads[t], (unseen_kind)kind);
             if (mirror) measure_mirror(self, &scene, threads[t]);
         }
         bench_scene_free(self, &scene);

@@ -215,6 +215,38 @@ static void mirrors_out_of_sight_cast_no_ray(void **unused)
     stage_drop(s);
 }
 
+/* What is sampled is filtered in planes of the whole picture: a rough mirror behind the camera and a soft light whose
+ * range ends before anything that is seen take none, and both do once they are in sight. */
+static void sampled_light_out_of_sight_takes_no_planes(void **unused)
+{
+    (void)unused;
+    enum { PLANE = 4 * PIXELS };
+    for (int soft = 0; soft < 2; soft++) {
+        stage *s = stage_make(2);
+        s->view.aov = (daft_aov){0};
+        add_floor(s);
+        daft_material_def rough = daft_default_material_def();
+        daft_light_def lamp = daft_default_light_def();
+        rough.mirror = 0.9f, rough.roughness = 0.4f;
+        lamp.position = daft_dv3(0, 4, 0), lamp.range = 2, lamp.radius = 0.2f;
+        const daft_material shiny = daft_material_create(s->scene, &rough, NULL);
+        const daft_light light = soft ? daft_light_create(s->scene, &lamp, NULL) : (daft_light){0};
+        if (!soft) add_ball(s, daft_dv3(-30, 20, 8), 2, shiny); /* behind the camera */
+        s->view.quality.denoise = false;
+        draw(s);
+        const uint64_t before = daft_engine_memory(s->engine).used;
+        s->view.quality.denoise = true;
+        assert_nothing_done(&draw(s)->effects[DAFT_EFFECT_DENOISE]);
+        assert_true(daft_engine_memory(s->engine).used < before + 3 * PLANE);
+        lamp.range = 20;
+        if (soft) assert_true(daft_light_set(s->scene, light, &lamp, NULL));
+        if (!soft) add_ball(s, daft_dv3(0, 1, 0), 1, shiny);
+        assert_true(draw(s)->effects[DAFT_EFFECT_DENOISE].ran);
+        assert_true(daft_engine_memory(s->engine).used > before + 6 * PLANE);
+        stage_drop(s);
+    }
+}
+
 /* ---- meshes ---- */
 
 /* Frames, moves, other cameras, lights, materials and rays leave the trees of meshes as they are. */
@@ -419,6 +451,7 @@ int main(void)
         cmocka_unit_test(only_points_under_an_occluders_bounds_are_tested),
         cmocka_unit_test(occluders_elsewhere_are_never_tested),
         cmocka_unit_test(mirrors_out_of_sight_cast_no_ray),
+        cmocka_unit_test(sampled_light_out_of_sight_takes_no_planes),
         cmocka_unit_test(a_mesh_that_keeps_its_shape_is_built_once),
         cmocka_unit_test(what_has_not_moved_stays_in_place),
         cmocka_unit_test(what_stays_in_place_looks_the_same),
