@@ -92,7 +92,7 @@ static const char materials[] =
     "newmtl glass\nKa 0 0 0\nKd 0 0 0\nKs 0.6 0.6 0.6\nNs 900\nNi 1.5\nTf 0.72 0.93 0.84\ntint_distance 0.1\n"
     "medium_priority 4\nillum 7\n\n"
     "newmtl ice\nKa 0 0 0\nKd 0 0 0\nKs 0.5 0.5 0.5\nNs 300\nNi 1.31\nmedium_priority 3\nillum 7\n\n"
-    "newmtl red_wine\nKa 0 0 0\nKd 0 0 0\nKs 0.4 0.4 0.4\nNs 900\nNi 1.35\nTf 0.66 0.045 0.09\ntint_distance 0.025\n"
+    "newmtl red_wine\nKa 0 0 0\nKd 0 0 0\nKs 0.4 0.4 0.4\nNs 900\nNi 1.35\nTf 0.55 0.025 0.06\ntint_distance 0.025\n"
     "medium_priority 2\nillum 7\n\n"
     "newmtl rose_wine\nKa 0 0 0\nKd 0 0 0\nKs 0.4 0.4 0.4\nNs 900\nNi 1.35\nTf 0.96 0.5 0.42\ntint_distance 0.05\n"
     "medium_priority 2\nillum 7\n\n"

@@ -417,7 +417,8 @@ static void add_bodies(stage *s, const world *w)
     }
 }
 
-static void compare_with_tracer(const world *w, daft_preset preset, daft_camera camera, const char *what)
+static void compare_with_tracer(const world *w, daft_preset preset, daft_camera camera, int most_wrong,
+                                const char *what)
 {
     world deep = *w;
     stage *s = stage_make(WIDTH, HEIGHT, NULL, 2);
@@ -439,16 +440,16 @@ static void compare_with_tracer(const world *w, daft_preset preset, daft_camera 
     print_message("%s, %s: %d of %d pixels are not as traced in double\n", what, daft_preset_name(preset), wrong,
                   looked);
     assert_true(looked > s->pixels * 3 / 5);
-    assert_true(wrong <= 1); /* where balls cross, two surfaces within rounding count as one, and the path ends later */
+    assert_true(wrong <= most_wrong);
     stage_drop(s);
 }
 
-static void compare_all(const world *w, daft_camera outside, daft_camera inside, const char *what)
+static void compare_all(const world *w, daft_camera outside, daft_camera inside, int most_wrong, const char *what)
 {
     static const daft_preset presets[] = {DAFT_PRESET_DRAFT, DAFT_PRESET_GAME, DAFT_PRESET_HIGH};
     for (size_t k = 0; k < DAFT_COUNT_OF(presets); k++) {
-        compare_with_tracer(w, presets[k], outside, what);
-        compare_with_tracer(w, presets[k], inside, "from within");
+        compare_with_tracer(w, presets[k], outside, most_wrong, what);
+        compare_with_tracer(w, presets[k], inside, most_wrong, "from within");
     }
 }
 
@@ -467,7 +468,7 @@ static void balls_overlap(void **unused)
     daft_camera outside = daft_default_camera();
     outside.fov = 0.8f;
     const daft_camera inside = daft_camera_look_at(daft_dv3(4.5, -0.2, 0.9), daft_dv3(3.9, 0.2, -0.5), 1.2f);
-    compare_all(&w, outside, inside, "balls");
+    compare_all(&w, outside, inside, 4, "balls"); /* of 19,200: balls magnify that rays start off surfaces */
 }
 
 /* Wine that reaches a millimetre into its glass, which stands in water. */
@@ -481,7 +482,7 @@ static void wine_in_a_glass(void **unused)
     const world w = {bodies, 4, 0, 0};
     const daft_camera outside = daft_camera_look_at(daft_dv3(0, 1.3, 0.4), daft_dv3(3.5, 0.1, 0), 0.6f);
     const daft_camera inside = daft_camera_look_at(daft_dv3(3.2, 0.1, -0.3), daft_dv3(3.6, -0.2, 0.1), 1.3f);
-    compare_all(&w, outside, inside, "wine");
+    compare_all(&w, outside, inside, 0, "wine");
 }
 
 /* Faces in the very same place: layers of three liquids in a cup that they just fill. */
@@ -496,7 +497,7 @@ static void media_touch(void **unused)
     const world w = {bodies, 4, 0, 0};
     const daft_camera outside = daft_camera_look_at(daft_dv3(0.3, 1.1, 0.9), daft_dv3(3.5, 0.2, 0), 0.6f);
     const daft_camera inside = daft_camera_look_at(daft_dv3(3.3, 0.3, -0.2), daft_dv3(3.7, -0.2, 0.1), 1.3f);
-    compare_all(&w, outside, inside, "touching");
+    compare_all(&w, outside, inside, 0, "touching");
 }
 
 /* ---- shadows ---- */

@@ -1,6 +1,9 @@
 /* Rays within media: in which the camera is; what the surfaces that a batch's points lie on are between; what light
  * loses on its way within (Beer's law). Rays carry their media along; what they meet tells the rest. Only where some
- * material that transmits has a priority or absorbs. */
+ * material that transmits has a priority or absorbs.
+ *
+ * A length within is that of the ray, which starts off its surface: it is too short by up to 4 · DAFT_SPAWN_ERROR · S
+ * over the cosine there, S as in render/kernels.h. */
 #include "render/tile/tile.h"
 
 #include <math.h>
