@@ -380,7 +380,7 @@ typedef struct daft_material_def {
     float mirror;          /* 0..1: the weight of the mirrored ray's light, which mirror_tint colours */
     daft_vec3 mirror_tint; /* 1, 1, 1 */
     float roughness;       /* 0..1: of what mirrors or lets light through; 0: smooth. Its square is GGX's alpha */
-    daft_vec3 emission;    /* light it gives off by itself; lights nothing else */
+    daft_vec3 emission;    /* light it gives off by itself; lights nothing else but by `lights` of entities */
     /* Light that passes through, 0..1: the rest is left to `ambient` and `diffuse`. At each surface Fresnel's equations
      * divide it between a mirrored and a refracted ray. Everything outside closed meshes, and between two of them,
      * counts as air, unless they have priorities. */
@@ -514,6 +514,7 @@ typedef struct daft_entity_def {
     bool sensor;   /* collides with nothing: what enters and leaves it makes events */
     bool bullet;   /* dynamic: does not pass through fast dynamic bodies either */
     bool sleeps;   /* may; default true */
+    bool lights;   /* DAFT_SHAPE_SPHERE: what its material gives off lights what is around (not the emission map) */
 } daft_entity_def;
 
 /* Nothing that is drawn, no body: at the origin, unscaled, visible. */
@@ -869,14 +870,21 @@ typedef struct daft_named_entity {
 DAFT_API uint32_t daft_scene_named_count(const daft_scene *scene);
 DAFT_API bool daft_scene_get_named(const daft_scene *scene, uint32_t index, daft_named_entity *out, daft_error *error);
 
-typedef enum daft_light_kind { DAFT_LIGHT_POINT = 0, DAFT_LIGHT_SUN, DAFT_LIGHT_SPOT } daft_light_kind;
+typedef enum daft_light_kind {
+    DAFT_LIGHT_POINT = 0,
+    DAFT_LIGHT_SUN,
+    DAFT_LIGHT_SPOT,
+    DAFT_LIGHT_RECTANGLE /* lights on one side; not seen itself */
+} daft_light_kind;
 
 typedef struct daft_light_def {
     uint32_t cookie;
     daft_light_kind kind;
-    daft_dvec3 position; /* point and spot: where */
-    daft_vec3 direction; /* sun and spot: where its light travels to, a spot's along its axis; any length but zero */
-    daft_vec3 color;     /* linear light, 0 or more; 1 lights a white surface that faces it white */
+    daft_dvec3 position; /* point and spot: where; rectangle: its middle */
+    daft_vec3 direction; /* sun, spot and rectangle: where its light travels to, a spot's along its axis, a rectangle's
+                            straight off it; any length but zero */
+    daft_vec3 color;     /* linear light, 0 or more; 1 lights a white surface that faces it white. Rectangle: its
+                            radiance, as `emission` of materials; it falls with distance and angle as area does */
     bool casts_shadow;
     /* Spot: radians from the direction, 0 <= inner_angle <= outer_angle <= pi, outer_angle > 0. All of the light within
      * the inner angle, none beyond the outer; between, a cubic of the angle's cosine (Pharr, Jakob, Humphreys,
@@ -885,12 +893,19 @@ typedef struct daft_light_def {
     /* Sizes, for soft shadows; 0: the light is a point, and its shadows are sharp. Point and spot: metres; sun:
      * radians, half the angle that its disc spans (the real one has 0.00465), up to pi/4. */
     float radius, disc;
-    /* Point and spot: metres to where its light ends; on the way it falls as (1 - (distance / range)^2)^2. 0: it is
-     * equally bright at any distance. A light that reaches nothing in sight costs next to nothing. */
+    /* All but suns: metres to where its light ends; on the way it falls as (1 - (distance / range)^2)^2. 0: it is
+     * equally bright at any distance, but for a rectangle. A light that reaches nothing in sight costs next to nothing.
+     */
     float range;
     /* Point and spot: its light falls with the square of the distance, and `color` is what it has at a metre; with a
      * range times 1 - (distance / range)^4, as glTF has it. Nearer than a centimetre it is as bright as there. */
     bool inverse_square;
+    bool visible; /* sun: its disc is seen in the sky, of 16 times its colour at most */
+    /* Rectangle: metres, its width and height, each 1e-6 or more, default 1 and 1. The width is level (along x where
+     * `direction` is up or down), until `turn` turns both about the direction, radians, from the width to the height.
+     */
+    daft_vec2 size;
+    float turn;
 } daft_light_def;
 
 /* A white point light at the origin that casts shadows. */

@@ -140,6 +140,7 @@ local voice = {}
 ---@field sensor? boolean Meets nothing; what enters and leaves it makes events; false unless given
 ---@field bullet? boolean Does not pass through fast dynamic bodies either; false unless given
 ---@field sleeps? boolean Whether it may fall asleep at rest; true unless given
+---@field lights? boolean Whether what its material gives off lights what is around; false unless given
 ---@field velocity? daft.vector Of a body that moves
 ---@field angular_velocity? daft.vector Of a body that moves
 ---@field clip? string|number The clip of its mesh that it plays, looped: see e:play
@@ -207,7 +208,7 @@ local voice = {}
 ---@field mirror? number The weight of the mirrored ray's light (number, 0 to 1); 0 unless given
 ---@field mirror_tint? daft.color The mirrored light is multiplied by it; {1, 1, 1} unless given
 ---@field roughness? number How rough it is where it mirrors or lets light through: 0 is smooth (Pr) (number, 0 to 1); 0 unless given
----@field emission? daft.color|number Light that it gives off by itself; it lights nothing else; 0 unless given
+---@field emission? daft.color|number Light that it gives off by itself; it lights nothing else but from spheres with lights; 0 unless given
 ---@field transmission? number The fraction of the light that passes through; the rest is left to color and ambient (number, 0 to 1); 0 unless given
 ---@field transmission_tint? daft.color The light that passes is multiplied by it at each surface; with a tint_distance, along its way; {1, 1, 1} unless given
 ---@field tint_distance? number The length in which light within the body takes on transmission_tint: twice as far, the square of it; 0: each surface tints (number, m, 0 or more); 0 unless given
@@ -236,29 +237,39 @@ local voice = {}
 ---@field reflection_texture? "name" What it mirrors in place of its surroundings: an image all around, as of a sky; phong shading alone
 
 ---@class daft.light.sun.options
----@field direction? daft.vector Where its light travels to: a spot's axis; any length but zero; {0, -1, 0} unless given
----@field color? daft.color Its colour in linear light; values over 1 are brighter; {1, 1, 1} unless given
+---@field direction? daft.vector Where its light travels to: a spot's axis, straight off a rectangle; any length but zero; {0, -1, 0} unless given
+---@field color? daft.color Its colour in linear light; values over 1 are brighter; a rectangle's radiance; {1, 1, 1} unless given
 ---@field shadow? boolean Whether entities cast shadows in it; true unless given
 ---@field disc? number Half the angle that its disc spans, for soft shadows; 0: they are sharp (number, rad, 0 to 0.785398); 0 unless given
+---@field visible? boolean Whether its disc is seen in the sky, of 16 times its colour at most; false unless given
 
 ---@class daft.light.point.options
----@field position? daft.vector|daft.entity Where it is; {0, 0, 0} unless given
----@field color? daft.color Its colour in linear light; values over 1 are brighter; {1, 1, 1} unless given
+---@field position? daft.vector|daft.entity Where it is; the middle of a rectangle; {0, 0, 0} unless given
+---@field color? daft.color Its colour in linear light; values over 1 are brighter; a rectangle's radiance; {1, 1, 1} unless given
 ---@field shadow? boolean Whether entities cast shadows in it; true unless given
 ---@field radius? number Of the ball that glows, for soft shadows; 0: a point, whose shadows are sharp (number, m, 0 to 1e+06); 0 unless given
----@field range? number Where its light ends, having faded all the way; 0: it is equally bright at any distance (number, m, 0 to 1e+06); 0 unless given
+---@field range? number Where its light ends, having faded all the way; 0: nowhere; points and spots are then equally bright at any distance (number, m, 0 to 1e+06); 0 unless given
 ---@field inverse_square? boolean Its light falls with the square of the distance: its colour is what it has at a metre; false unless given
 
 ---@class daft.light.spot.options
----@field position? daft.vector|daft.entity Where it is; {0, 0, 0} unless given
----@field direction? daft.vector Where its light travels to: a spot's axis; any length but zero; {0, -1, 0} unless given
----@field color? daft.color Its colour in linear light; values over 1 are brighter; {1, 1, 1} unless given
+---@field position? daft.vector|daft.entity Where it is; the middle of a rectangle; {0, 0, 0} unless given
+---@field direction? daft.vector Where its light travels to: a spot's axis, straight off a rectangle; any length but zero; {0, -1, 0} unless given
+---@field color? daft.color Its colour in linear light; values over 1 are brighter; a rectangle's radiance; {1, 1, 1} unless given
 ---@field shadow? boolean Whether entities cast shadows in it; true unless given
 ---@field inner? number All of its light is within this angle of the direction; three quarters of angle where only that is given (number, rad, 0 to 3.14159); 0.3926991 unless given
 ---@field angle? number None of its light is beyond this angle of the direction (number, rad, up to 3.14159); 0.5235988 unless given
 ---@field radius? number Of the ball that glows, for soft shadows; 0: a point, whose shadows are sharp (number, m, 0 to 1e+06); 0 unless given
----@field range? number Where its light ends, having faded all the way; 0: it is equally bright at any distance (number, m, 0 to 1e+06); 0 unless given
+---@field range? number Where its light ends, having faded all the way; 0: nowhere; points and spots are then equally bright at any distance (number, m, 0 to 1e+06); 0 unless given
 ---@field inverse_square? boolean Its light falls with the square of the distance: its colour is what it has at a metre; false unless given
+
+---@class daft.light.rectangle.options
+---@field position? daft.vector|daft.entity Where it is; the middle of a rectangle; {0, 0, 0} unless given
+---@field direction? daft.vector Where its light travels to: a spot's axis, straight off a rectangle; any length but zero; {0, -1, 0} unless given
+---@field color? daft.color Its colour in linear light; values over 1 are brighter; a rectangle's radiance; {1, 1, 1} unless given
+---@field shadow? boolean Whether entities cast shadows in it; true unless given
+---@field range? number Where its light ends, having faded all the way; 0: nowhere; points and spots are then equally bright at any distance (number, m, 0 to 1e+06); 0 unless given
+---@field size? table Of a rectangle: the level side, and the other; {1, 1} unless given
+---@field turn? number How far a rectangle is turned about its direction, from the level side to the other (number, rad, -1e+06 to 1e+06); 0 unless given
 
 ---@class daft.fog.options
 ---@field color? daft.color Its own colour in linear light; {0.7, 0.7, 0.7} unless given
@@ -778,17 +789,22 @@ function daft.light.spot(options) end
 ---@return daft.light[]
 function entity:add_lights() end
 
+---A rectangle that shines to one side, softly.
+---@param options daft.light.rectangle.options
+---@return daft.light
+function daft.light.rectangle(options) end
+
 ---Changes what the table names.
 ---@param options daft.light.spot.options
 function light:set(options) end
 
----Moves a point light or a spot.
+---Moves a light that is no sun.
 ---@param x number
 ---@param y number
 ---@param z number
 function light:position(x, y, z) end
 
----Turns a sun or a spot.
+---Turns a light that is no point light.
 ---@param x number
 ---@param y number
 ---@param z number

@@ -257,6 +257,13 @@ static void slab(mesh *m)
     add_face(m, top, 4, true);
 }
 
+/* What glows where a rectangle of light is: 1 by 2, facing down. */
+static void panel(mesh *m)
+{
+    use_material(m, "silver");
+    add_flat(m, (const vec[]){v3(-0.5, 0, -1), v3(0.5, 0, -1), v3(0.5, 0, 1), v3(-0.5, 0, 1)}, 4);
+}
+
 static const char materials[] =
     "# made by daft_generate, CC0\n"
     "newmtl gold\nKa 0.75 0.55 0.15\nKd 0.62 0.42 0.08\nKs 0.45 0.36 0.16\nNs 120\nillum 3\n\n"
@@ -290,6 +297,7 @@ bool generate_meshes(const char *root)
         {"assets/meshes/column.obj", column}, {"assets/meshes/flag.obj", flag},
         {"assets/meshes/island.obj", island}, {"assets/meshes/slab.obj", slab},
         {"assets/meshes/goblet.obj", goblet}, {"assets/meshes/prism.obj", prism},
+        {"assets/meshes/panel.obj", panel},
     };
     return write_text(root, "assets/meshes/meshes.mtl", materials) &&
            write_meshes(root, list, sizeof list / sizeof list[0], NULL);

@@ -212,7 +212,8 @@ static bool same_quality(const daft_quality *a, const daft_quality *b)
 static bool same_sky(const daft_sky *a, const daft_sky *b)
 {
     return a->kind == b->kind && a->image == b->image && same_floats(&a->zenith.x, &b->zenith.x, 3) &&
-           same_floats(&a->horizon.x, &b->horizon.x, 3);
+           same_floats(&a->horizon.x, &b->horizon.x, 3) && same_floats(&a->sun.x, &b->sun.x, 3) &&
+           same_floats(&a->to_sun.x, &b->to_sun.x, 3) && a->sun_chord2 == b->sun_chord2;
 }
 
 /* By the same camera, so that places on the screen are the same. */
@@ -243,7 +244,8 @@ static bool same_light(const daft_light_source *a, const daft_light_source *b)
     return a->sun == b->sun && a->casts_shadow == b->casts_shadow && a->spot == b->spot && a->range == b->range &&
            a->inverse_square == b->inverse_square && a->radius == b->radius && a->cone_cosine == b->cone_cosine &&
            a->cone_scale == b->cone_scale && same_floats(&a->position.x, &b->position.x, 3) &&
-           same_floats(&a->to_light.x, &b->to_light.x, 3) && same_floats(&a->color.x, &b->color.x, 3);
+           same_floats(&a->to_light.x, &b->to_light.x, 3) && same_floats(&a->color.x, &b->color.x, 3) &&
+           a->area == b->area && same_floats(&a->edges[0].x, &b->edges[0].x, 6) && a->entity == b->entity;
 }
 
 /* ---- which tiles ---- */

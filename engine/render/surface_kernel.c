@@ -603,7 +603,8 @@ void DAFT_KERNEL(daft_surfaces)(const daft_surfaces_def *def, const daft_tile *t
     setup_visible(def->snapshot, p, facets);
     points->traits = facets->traits, points->one_material = facets->one_material;
     visible_points(def->snapshot, p, &first, facets, wants_of(facets->traits, def), points);
-    if (def->snapshot->sky.kind == DAFT_SKY_COLOR && !(def->snapshot->air.density > 0)) return;
+    const daft_sky *all = &def->snapshot->sky;
+    if (all->kind == DAFT_SKY_COLOR && !(all->sun_chord2 > 0) && !(def->snapshot->air.density > 0)) return;
     for (uint32_t i = 0; i < sky->count; i += DAFT_VL) store3(&sky->direction, i, pixel_rays(p, first, &sky->pixel[i]));
 }
 

@@ -136,6 +136,7 @@ daft_entity daft_entity_insert(daft_scene *scene, const daft_entity_def *def, ui
     item->now = (daft_transform){.position = def->position, .rotation = unit(def->rotation), .scale = def->scale};
     item->before = item->now;
     item->moved_tick = scene->tick;
+    scene->glowing += def->lights;
     if (def->parent.id) daft_entity_link(scene, daft_slots_find(&scene->entity_slots, def->parent.id), index);
     if (daft_body_moves(def->body)) {
         item->moving_slot = scene->moving_count;
@@ -192,6 +193,7 @@ static void remove_leaf(daft_scene *scene, uint32_t index)
     if (item->box != DAFT_NONE) daft_box_drop(scene, item->box);
     daft_animated_free(scene, item->animated);
     item->animated = NULL;
+    scene->glowing -= item->def.lights;
     daft_slots_remove(&scene->entity_slots, index);
 }
 

@@ -60,7 +60,7 @@ static bool place(const daft_daffine *world, daft_dvec3 origin, daft_instance *i
 }
 
 /* A sphere's scale is the same in every direction: the length of any column. */
-static float world_radius(const daft_daffine *world, float radius)
+float daft_world_radius(const daft_daffine *world, float radius)
 {
     const double *m = world->m;
     return (float)(sqrt(m[0] * m[0] + m[3] * m[3] + m[6] * m[6]) * (double)radius);
@@ -260,7 +260,7 @@ static void place_entity(const maker *m, uint32_t i)
     instance->bvh = posed ? posed->bvh : shape ? shape->bvh : NULL;
     instance->kdtree = shape && !posed && m->kdtrees ? shape->kdtree : NULL; /* none of a pose: rays go through the BVH
                                                                               */
-    if (!shape) instance->radius = world_radius(&item->world, item->def.radius);
+    if (!shape) instance->radius = daft_world_radius(&item->world, item->def.radius);
     instance->materials = materials_of(m, item, shape);
     const daft_opacity_set *opacity = m->opacity ? m->opacity[i] : NULL;
     instance->opacity = opacity ? opacity->classes : NULL;

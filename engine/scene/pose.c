@@ -105,3 +105,17 @@ daft_entity_item *daft_entity_world(daft_scene *scene, uint32_t index, float alp
     for (; top != DAFT_NONE; top = items[top].below) resolve(scene, top, alpha);
     return &items[index];
 }
+
+bool daft_entity_place(const daft_scene *scene, uint32_t index, float alpha, daft_daffine *out)
+{
+    bool first = true;
+    for (uint32_t at = index; at != DAFT_NONE; at = scene->entities[at].parent, first = false) {
+        const daft_entity_item *item = &scene->entities[at];
+        daft_transform pose = item->now;
+        if (!item->def.visible) return false;
+        if (item->moved_tick == scene->tick) pose = daft_transform_mix(&item->before, &item->now, alpha);
+        const daft_daffine own = daft_daffine_from(&pose);
+        *out = first ? own : daft_daffine_compose(&own, out);
+    }
+    return true;
+}

@@ -283,6 +283,7 @@ struct daft_scene {
     daft_slots light_slots;
     daft_light_def *lights;
     size_t light_capacity;
+    uint32_t glowing;           /* entities with `lights` */
     daft_animated *animated;    /* all of them */
     uint64_t listings, posings; /* counts lists of instances, and changes of poses that pictures show */
     daft_vec3 ambient;
@@ -439,6 +440,8 @@ bool daft_daffine_invert(const daft_daffine *a, daft_daffine *out);
 daft_transform daft_transform_mix(const daft_transform *before, const daft_transform *now, float alpha);
 /* Fills world and shown of the entity. All calls of one walk use one alpha. */
 daft_entity_item *daft_entity_world(daft_scene *scene, uint32_t index, float alpha);
+/* The same of one entity alone, without a walk. False: it or what it stands on is hidden. */
+bool daft_entity_place(const daft_scene *scene, uint32_t index, float alpha, daft_daffine *out);
 bool daft_scale_is_uniform(daft_vec3 scale);
 
 /* ---- colliders.c ---- */
@@ -572,6 +575,8 @@ typedef struct daft_listing {
     uint32_t count, unseen;   /* out; unseen: animated entities that are left out, as the picture cannot show them */
 } daft_listing;
 bool daft_snapshot_instances(daft_scene *scene, daft_listing *listing, daft_error *error);
+/* Of a sphere: its scale is the same in every direction. */
+float daft_world_radius(const daft_daffine *world, float radius);
 /* Whether a point of the frame is one that kernels can work with. */
 bool daft_fits_kernels(daft_vec3 point);
 bool daft_snapshot_fill(daft_scene *scene, const daft_view *view, int width, int height, daft_scene_frame *frame,

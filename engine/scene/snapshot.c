@@ -20,14 +20,30 @@ static void set_cone(const daft_light_def *def, daft_light_source *light)
     light->cone_scale = (float)(1 / (range > 1e-7 ? range : 1e-7)); /* what floats can tell */
 }
 
+/* The sides of a rectangle: one level, both turned about the direction. */
+static void set_sides(const daft_light_def *def, daft_light_source *light)
+{
+    light->area = DAFT_AREA_RECTANGLE;
+    light->to_light = towards_light(def->direction);
+    const daft_dvec3 d = daft_dscale(daft_to_double(light->to_light), -1);
+    const double level = sqrt(d.x * d.x + d.z * d.z);
+    const daft_dvec3 u = level > 1e-6 ? daft_dv3(-d.z / level, 0, d.x / level) : daft_dv3(1, 0, 0),
+                     v = daft_dcross(u, d);
+    const double c = daft_cos((double)def->turn), s = daft_sin((double)def->turn);
+    light->edges[0] = daft_to_float(daft_dscale(daft_dadd(daft_dscale(u, c), daft_dscale(v, s)), (double)def->size.x));
+    light->edges[1] = daft_to_float(daft_dscale(daft_dadd(daft_dscale(u, -s), daft_dscale(v, c)), (double)def->size.y));
+}
+
 /* False: so far away that it lights nothing. */
 static bool make_light(const daft_light_def *def, daft_dvec3 origin, daft_light_source *light)
 {
     *light =
         (daft_light_source){.sun = def->kind == DAFT_LIGHT_SUN, .casts_shadow = def->casts_shadow, .color = def->color};
     if (def->kind == DAFT_LIGHT_SPOT) set_cone(def, light);
-    if (!light->sun) light->range = def->range, light->inverse_square = def->inverse_square;
-    light->radius = light->sun ? (float)daft_tan((double)def->disc) : def->radius;
+    if (def->kind == DAFT_LIGHT_RECTANGLE) set_sides(def, light);
+    if (!light->sun) light->range = def->range;
+    if (!light->sun && !light->area) light->inverse_square = def->inverse_square;
+    if (!light->area) light->radius = light->sun ? (float)daft_tan((double)def->disc) : def->radius;
     if (light->sun)
         light->to_light = towards_light(def->direction);
     else
@@ -35,11 +51,31 @@ static bool make_light(const daft_light_def *def, daft_dvec3 origin, daft_light_
     return daft_fits_kernels(light->position);
 }
 
+/* Of a sphere whose material gives off light. False: it lights nothing. */
+static bool make_sphere(const daft_scene *scene, uint32_t index, const daft_view *view, daft_light_source *light)
+{
+    const daft_entity_item *item = &scene->entities[index];
+    daft_daffine world;
+    if (item->def.shape != DAFT_SHAPE_SPHERE || !item->def.material.id ||
+        !daft_entity_place(scene, index, view->alpha, &world))
+        return false;
+    const daft_vec3 color = scene->assets.surfaces[daft_asset_index(item->def.material.id)].emission;
+    *light = (daft_light_source){
+        .area = DAFT_AREA_SPHERE,
+        .casts_shadow = true,
+        .color = color,
+        .position = daft_to_float(daft_dsub(daft_dv3(world.t[0], world.t[1], world.t[2]), view->camera.position)),
+        .radius = daft_world_radius(&world, item->def.radius),
+        .entity = daft_slots_handle(&scene->entity_slots, index)};
+    return (color.x > 0 || color.y > 0 || color.z > 0) && light->radius > 0 && daft_fits_kernels(light->position);
+}
+
 static bool fill_lights(daft_scene *scene, const daft_view *view, daft_scene_frame *frame, daft_error *error)
 {
     daft_snapshot *s = &frame->snapshot;
     daft_arena_reset(&frame->lights);
-    daft_light_source *lights = daft_arena_alloc(&frame->lights, scene->light_slots.live, sizeof *lights);
+    daft_light_source *lights =
+        daft_arena_alloc(&frame->lights, scene->light_slots.live + scene->glowing, sizeof *lights);
     if (!lights) return daft_fail_memory(error, "a snapshot's lights");
     const daft_dvec3 origin = view->camera.position;
     uint32_t slots = view->without & DAFT_WITHOUT_SHADING ? 0 : scene->light_slots.count;
@@ -47,6 +83,12 @@ static bool fill_lights(daft_scene *scene, const daft_view *view, daft_scene_fra
     for (uint32_t i = 0; i < slots; i++)
         if (scene->light_slots.items[i].live && make_light(&scene->lights[i], origin, &lights[s->light_count]))
             s->light_count++;
+    uint32_t left = view->without & DAFT_WITHOUT_SHADING ? 0 : scene->glowing;
+    for (uint32_t i = 0; left > 0; i++) {
+        if (!scene->entity_slots.items[i].live || !scene->entities[i].def.lights) continue;
+        s->light_count += make_sphere(scene, i, view, &lights[s->light_count]);
+        left--;
+    }
     s->lights = lights;
     return true;
 }
@@ -62,6 +104,21 @@ static daft_air air_of(const daft_scene *scene, const daft_view *view, const daf
     for (uint32_t i = s->light_count; i-- > 0 && fog->glow > 0;)
         if (s->lights[i].sun) air.glow = fog->glow, air.sun = s->lights[i].color, air.to_sun = s->lights[i].to_light;
     return air;
+}
+
+/* The disc of the first sun that is to be seen. Its light is what lights surfaces, over its solid angle; but no more
+ * than some times as bright as white is, so that few rays of rough mirrors do not flare up where they meet it. */
+static void show_sun(const daft_scene *scene, daft_sky *sky)
+{
+    for (uint32_t i = 0; i < scene->light_slots.count; i++) {
+        const daft_light_def *def = &scene->lights[i];
+        if (!scene->light_slots.items[i].live || def->kind != DAFT_LIGHT_SUN || !def->visible || !(def->disc > 0))
+            continue;
+        const double sine = daft_sin((double)def->disc), half = daft_sin((double)def->disc / 2);
+        sky->sun = daft_scale(def->color, (float)fmin(1 / (sine * sine), 16));
+        sky->to_sun = towards_light(def->direction), sky->sun_chord2 = (float)(4 * half * half);
+        return;
+    }
 }
 
 /* The sky's light is found when it is first asked for. */
@@ -93,6 +150,7 @@ bool daft_snapshot_fill(daft_scene *scene, const daft_view *view, int width, int
     s->ambient = ambient_of(scene, view);
     s->occlusion = view->without & DAFT_WITHOUT_SHADING ? 0 : scene->occlusion;
     s->sky = scene->sky;
+    if (!(view->without & DAFT_WITHOUT_SHADING)) show_sun(scene, &s->sky);
     s->tone = (daft_tone){scene->exposure.ev, scene->exposure.curve}, s->metered = scene->exposure.automatic;
     daft_camera_axes(&view->camera, &s->right, &s->up, &s->forward);
     if (!fill_lights(scene, view, frame, error)) return false;

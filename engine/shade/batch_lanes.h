@@ -31,6 +31,11 @@ void DAFT_KERNEL(daft_map_slopes_along)(const daft_batch *batch, const daft_surf
                                         vf *along_u, vf *along_v);
 void DAFT_KERNEL(daft_vary)(daft_batch *batch, const daft_surface *materials, const daft_texture_data *textures,
                             daft_texture_filter filter, const daft_vary_def *def);
+/* Of an area light, at the DAFT_VL points from i on: its form factor; and the fraction of a lobe around the mirrored
+ * view that it fills, a cosine lobe stretched to this width, squared. */
+void DAFT_KERNEL(daft_area_form)(const daft_batch *batch, uint32_t i, const daft_light_source *source, vf *form);
+void DAFT_KERNEL(daft_area_gleam)(const daft_batch *batch, uint32_t i, const daft_light_source *source,
+                                  const vf *width2, vf *form);
 void DAFT_KERNEL(daft_sky_color)(const daft_sky *sky, const daft_lanes3 *direction, uint32_t count, daft_lanes3 *color);
 void DAFT_KERNEL(daft_fog_way)(const daft_air *air, const daft_lanes3 *origin, const daft_lanes3 *direction,
                                const float *length, uint32_t first, uint32_t count, float *through, daft_lanes3 *own);

@@ -99,6 +99,7 @@ static uint32_t facing(daft_batch *batch, const daft_light_source *source, uint3
     for (uint32_t i = 0; i < batch->count; i += DAFT_VL) {
         vf3 l = direction_to(batch, source, i);
         vf cosine = vf3_dot(lanes_load(&batch->normal, i), l);
+        if (source->area) DAFT_KERNEL(daft_area_form)(batch, i, source, &cosine);
         vf_store(&batch->cosine[i], cosine);
         vbits lit = vbits_from_mask(vf_lt(vf_set(0), cosine)) & vbits_first_n((int)(batch->count - i));
         if (source->spot && lit) lit &= vbits_from_mask(vf_lt(vf_set(0), cone_falloff(source, l)));
@@ -168,6 +169,58 @@ static __attribute__((noinline)) vf3 varying_light(const daft_batch *batch, uint
                  vf_if_then_else(physical, sum.z + facets.z, phong.z)};
 }
 
+/* The width of a cosine lobe as high as Phong's, squared; and of one about as wide as that of GGX's facets, up to that
+ * of Lambert's law. */
+DAFT_INLINE vf phong_width2(vf shininess) { return vf_set(2) / (shininess + vf_set(1)); }
+DAFT_INLINE vf facet_width2(vf alpha)
+{
+    const vf width = vf_max(vf_set(2) * alpha / (vf_set(1) + alpha), vf_set(1e-3f));
+    return width * width;
+}
+
+/* The fraction of its surroundings that a surface shows by rays, by these rays' weight (vary_kernel.c). */
+DAFT_INLINE vf shown_by_rays(vf3 mirror)
+{
+    const vf least = vf_set(DAFT_LEAST_MIRROR), weight = vf_max(vf_max(mirror.x, mirror.y), mirror.z);
+    const vf all = vf_set(0.5f) * (least + vf_sqrt(least * (least + vf_set(4) * weight)));
+    return vf_clamp01(all / least - vf_set(1));
+}
+
+/* The highlight of an area: what of it the lobe sees, times what the lobe reflects at all. Of facets that is a fit of
+ * facet_light()'s sum over all directions, with Fresnel's term straight into the mirrored one. */
+static __attribute__((noinline)) vf3 area_highlight(const daft_batch *batch, vf3 specular, vf gloss, vf3 mirror,
+                                                    uint32_t i, const daft_light_source *source)
+{
+    const vf zero = vf_set(0), one = vf_set(1), alpha = vf_max(-gloss, zero);
+    const vm physical = vf_lt(gloss, zero);
+    const vf width2 = vf_if_then_else(physical, facet_width2(alpha), phong_width2(vf_max(gloss, zero)));
+    vf seen;
+    DAFT_KERNEL(daft_area_gleam)(batch, i, source, &width2, &seen);
+    if (source->entity) seen = seen * (one - shown_by_rays(mirror));
+    const vf away = one - vf_clamp01(vf3_dot(lanes_load(&batch->normal, i), lanes_load(&batch->view, i)));
+    const vf away2 = away * away, steep = vf_if_then_else(physical, away2 * away2 * away, zero);
+    const vf lost = vf_if_then_else(physical, one / (one - vf_set(0.55f) * vf_sqrt(alpha)) - one, zero);
+    const vf all = seen * vf_if_then_else(physical, one - vf_set(0.6f) * alpha, width2);
+    const vf3 f = {specular.x + (one - specular.x) * steep, specular.y + (one - specular.y) * steep,
+                   specular.z + (one - specular.z) * steep};
+    return (vf3){f.x * all * (one + specular.x * lost), f.y * all * (one + specular.y * lost),
+                 f.z * all * (one + specular.z * lost)};
+}
+
+static __attribute__((noinline)) vf3 area_light(const daft_batch *batch, const material_reader *m, uint32_t i, vf form,
+                                                const daft_light_source *source)
+{
+    const daft_varying *v = batch->traits & DAFT_TRAIT_VARIES ? batch->varying : NULL;
+    const vf3 diffuse = v ? lanes_load(&v->diffuse, i) : times_albedo(batch, i, MATERIAL_COLOR(m, diffuse));
+    vf3 sum = {diffuse.x * form, diffuse.y * form, diffuse.z * form};
+    if (!v && !(batch->traits & DAFT_TRAIT_SPECULAR)) return sum;
+    const vf3 specular = v ? lanes_load(&v->specular, i) : MATERIAL_COLOR(m, specular),
+              mirror = v ? lanes_load(&v->mirror, i) : MATERIAL_COLOR(m, mirror);
+    const vf gloss = v ? vf_load(&v->gloss[i]) : MATERIAL_WORD(m, shininess);
+    const vf3 highlight = area_highlight(batch, specular, gloss, mirror, i, source);
+    return (vf3){sum.x + highlight.x, sum.y + highlight.y, sum.z + highlight.z};
+}
+
 static void direct_light(daft_batch *batch, const daft_surface *materials, const daft_light_source *source,
                          const uint32_t lit[DAFT_BATCH_WORDS], const daft_lanes3 *arriving, const daft_ambient *first)
 {
@@ -184,7 +237,9 @@ static void direct_light(daft_batch *batch, const daft_surface *materials, const
         }
         vf cosine = vf_load(&batch->cosine[i]);
         vf3 sum;
-        if (varies) {
+        if (source->area) {
+            sum = area_light(batch, &m, i, cosine, source);
+        } else if (varies) {
             sum = varying_light(batch, i, direction_to(batch, source, i), cosine);
         } else {
             sum = times_albedo(batch, i, MATERIAL_COLOR(&m, diffuse));

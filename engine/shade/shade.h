@@ -90,17 +90,23 @@ static inline bool daft_surface_blends(const daft_surface *m) { return m->traits
 float daft_surface_opacity(const daft_surface *m, const daft_texture_data *textures, daft_vec2 uv,
                            daft_texture_filter filter);
 
+/* What shines is a point or the sun, unless it is an area, whose colour is its radiance. */
+typedef enum daft_area { DAFT_AREA_NONE = 0, DAFT_AREA_RECTANGLE, DAFT_AREA_SPHERE } daft_area;
+
 typedef struct daft_light_source {
     bool sun;
     bool casts_shadow;
-    daft_vec3 position; /* point and spot, frame space */
-    daft_vec3 to_light; /* sun and spot: unit, against its direction */
+    daft_vec3 position; /* all but the sun, frame space; a rectangle's middle */
+    daft_vec3 to_light; /* sun, spot and rectangle: unit, against its direction */
     daft_vec3 color;
     bool spot;
     bool inverse_square;           /* point and spot: `color` is what it has at a metre */
-    float range;                   /* metres to where a point light or spot ends; 0: nowhere */
+    float range;                   /* metres to where all but a sun ends; 0: nowhere */
     float radius;                  /* metres; of a sun the tangent of half the angle that it spans; 0: sharp shadows */
     float cone_cosine, cone_scale; /* spot: cosine of the outer angle; 1 / (cosine of the inner angle - cone_cosine) */
+    daft_area area;
+    daft_vec3 edges[2]; /* rectangle: its sides in full; their product points against its direction */
+    uint32_t entity;    /* sphere: whose it is, which is no occluder of its own light and is seen in mirrors */
 } daft_light_source;
 
 /* Fog as its kernel reads it, in frame space. */
@@ -120,6 +126,8 @@ typedef struct daft_sky {
     daft_vec3 zenith, horizon; /* colour: zenith alone */
     daft_vec3 mean;            /* over all directions */
     const daft_sky_image *image;
+    daft_vec3 sun, to_sun; /* what a sun's disc adds; where it is, unit */
+    float sun_chord2;      /* the square of the chord from its middle to its edge; 0: none is seen */
 } daft_sky;
 
 /* Light from everywhere, as a white surface sends it on: the same for all normals, or by the normal's x, y, z as
@@ -211,7 +219,7 @@ typedef struct daft_batch {
     daft_lanes3 albedo;                 /* the texture's colour, or 1 */
     daft_lanes3 light;                  /* what it sends to the viewer */
     float cosine[DAFT_BATCH_ROOM]; /* between the normal and the direction to the light that `facing` was called for
-                                      last */
+                                      last; of an area, its form factor */
     daft_varying *varying;         /* NULL: no material in the frame calls for it */
     daft_footprints *footprints;   /* NULL: no filter of textures asks */
     struct daft_crossings *media;  /* render's; NULL: no material in the frame calls for it */

@@ -154,6 +154,24 @@ static void sky_cube(const daft_sky_image *image, const daft_lanes3 *direction, 
     }
 }
 
+/* By chords, which tell small angles apart where cosines do not. */
+static void add_sun(const daft_sky *sky, const daft_lanes3 *direction, uint32_t count, daft_lanes3 *out)
+{
+    const vf zero = vf_set(0);
+    for (uint32_t i = 0; i < count; i += DAFT_VL) {
+        const vf3 d = lanes_load(direction, i), c = lanes_load(out, i);
+        const vf unit = vf_set(1) / vf_sqrt(vf3_dot(d, d));
+        const vf3 off = {d.x * unit - vf_set(sky->to_sun.x), d.y * unit - vf_set(sky->to_sun.y),
+                         d.z * unit - vf_set(sky->to_sun.z)};
+        const vm within = vf_lt(vf3_dot(off, off), vf_set(sky->sun_chord2));
+        if (!vbits_from_mask(within)) continue;
+        lanes_store(out, i,
+                    (vf3){c.x + vf_if_then_else(within, vf_set(sky->sun.x), zero),
+                          c.y + vf_if_then_else(within, vf_set(sky->sun.y), zero),
+                          c.z + vf_if_then_else(within, vf_set(sky->sun.z), zero)});
+    }
+}
+
 void DAFT_KERNEL(daft_sky_color)(const daft_sky *sky, const daft_lanes3 *direction, uint32_t count, daft_lanes3 *color)
 {
     if (sky->kind == DAFT_SKY_IMAGE)
@@ -164,4 +182,5 @@ void DAFT_KERNEL(daft_sky_color)(const daft_sky *sky, const daft_lanes3 *directi
         sky_gradient(sky, direction, count, color);
     else
         sky_constant(sky->zenith, count, color);
+    if (sky->sun_chord2 > 0) add_sun(sky, direction, count, color);
 }

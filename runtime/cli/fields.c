@@ -93,6 +93,7 @@ static const struct {
              {"light", DAFT_STRUCT_LIGHT_DEF, DAFT_LIGHT_POINT},
              {"sun", DAFT_STRUCT_LIGHT_DEF, DAFT_LIGHT_SUN},
              {"spot", DAFT_STRUCT_LIGHT_DEF, DAFT_LIGHT_SPOT},
+             {"rectangle", DAFT_STRUCT_LIGHT_DEF, DAFT_LIGHT_RECTANGLE},
              {"sphere", DAFT_STRUCT_ENTITY_DEF, DAFT_SHAPE_SPHERE},
              {"mesh", DAFT_STRUCT_ENTITY_DEF, DAFT_SHAPE_MESH},
              {"material", DAFT_STRUCT_MATERIAL_DEF, 0},

@@ -250,10 +250,11 @@ void api_push_struct(lua_State *L, daft_struct which, const void *value)
 /* ---- the reference ---- */
 
 static const api_form *const FORMS[] = {
-    &api_entity_form,  &api_collider_form, &api_joint_form,    &api_surfaces_form, &api_character_form,
-    &api_filter_form,  &api_picture_form,  &api_material_form, &api_sun_form,      &api_point_form,
-    &api_spot_form,    &api_fog_form,      &api_exposure_form, &api_camera_form,   &api_checkpoint_form,
-    &api_quality_form, &api_play_form,     &api_synth_form,    &api_voice_form,    &api_particles_form};
+    &api_entity_form,     &api_collider_form,  &api_joint_form,    &api_surfaces_form, &api_character_form,
+    &api_filter_form,     &api_picture_form,   &api_material_form, &api_sun_form,      &api_point_form,
+    &api_spot_form,       &api_rectangle_form, &api_fog_form,      &api_exposure_form, &api_camera_form,
+    &api_checkpoint_form, &api_quality_form,   &api_play_form,     &api_synth_form,    &api_voice_form,
+    &api_particles_form};
 
 const api_form *const *api_forms(size_t *count)
 {

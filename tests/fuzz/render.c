@@ -173,9 +173,14 @@ static void make_light(player *p)
 {
     daft_light_def def = daft_default_light_def();
     uint8_t kind = take(p);
-    def.kind = kind & 1 ? DAFT_LIGHT_SUN : kind & 4 ? DAFT_LIGHT_SPOT : DAFT_LIGHT_POINT;
+    def.kind = kind & 1    ? DAFT_LIGHT_SUN
+               : kind & 4  ? DAFT_LIGHT_SPOT
+               : kind & 16 ? DAFT_LIGHT_RECTANGLE
+                           : DAFT_LIGHT_POINT;
     def.position = place(p);
-    if (kind & 5) def.direction = vector(p);
+    if (kind & 21) def.direction = vector(p);
+    if (def.kind == DAFT_LIGHT_RECTANGLE)
+        def.size.x = single_number(p), def.size.y = single_number(p), def.turn = single_number(p);
     if (def.kind == DAFT_LIGHT_SPOT) def.inner_angle = single_number(p), def.outer_angle = single_number(p);
     def.color = color(p);
     def.casts_shadow = !(kind & 2);

@@ -158,7 +158,8 @@ static int samples_of(const daft_frame *frame)
 {
     const daft_quality *p = frame->plan.quality;
     if (!frame->plan.soft) return daft_max_i(p->occlusion_samples, 1);
-    return frame->plan.occlusion ? daft_min_i(p->shadow_samples, p->occlusion_samples) : p->shadow_samples;
+    const int rays = frame->plan.occlusion ? daft_min_i(p->shadow_samples, p->occlusion_samples) : p->shadow_samples;
+    return daft_max_i(rays, 1);
 }
 
 /* ---- a tile's sums ---- */

@@ -49,8 +49,8 @@ static void mean_row(const tile_job *j, int row, float weight)
 
 bool daft_tile_is_plain(const tile_job *j)
 {
-    return j->s->points.count == 0 && j->snapshot->sky.kind == DAFT_SKY_COLOR && !j->frame->plan.fog &&
-           j->snapshot->quality.samples == 1;
+    return j->s->points.count == 0 && j->snapshot->sky.kind == DAFT_SKY_COLOR && !(j->snapshot->sky.sun_chord2 > 0) &&
+           !j->frame->plan.fog && j->snapshot->quality.samples == 1;
 }
 
 void daft_tile_fill_plain(tile_job *j)

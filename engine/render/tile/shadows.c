@@ -47,13 +47,14 @@ static bool absorbs(const daft_snapshot *snapshot, const daft_instance *instance
     return false;
 }
 
-/* The lit points that the instance hides from the light keep of it what the instance transmits. `dimmed`: gets their
- * bits where it absorbs. */
+/* The lit points that the instance hides from the light keep of it what the instance transmits; of its own, all.
+ * `dimmed`: gets their bits where it absorbs. */
 static void tint_points(tile_job *j, const daft_batch *points, const daft_light_source *light, uint32_t instance,
                         uint32_t *dimmed)
 {
     daft_scratch *s = j->s;
     daft_lanes3 *passed = s->passed;
+    if (light->entity && j->snapshot->instances[instance].entity == light->entity) return;
     memcpy(s->under, s->lit, sizeof s->under);
     uint32_t rays = cast(j, points, light, instance, s->under);
     s->rays_cast[DAFT_EFFECT_SHADOW] += rays;

@@ -2,6 +2,12 @@
  * occlusion). Each point casts some rays, to places on the light or over its hemisphere (render/dice.h), and counts
  * those that nothing stops.
  *
+ * Of an area, places count by how much of its light at the surface they stand for: one of PLACES is drawn by that for
+ * each ray (Talbot, Cline, Egbert, "Importance Resampling for Global Illumination", EGSR 2005), and rays weigh as much
+ * as the places that they were drawn from. With what arrives unhindered in closed form (shade/area_kernel.c), their
+ * mean is all that is sampled: the ratio estimator of Heitz and others, "Combining Analytic Direct Illumination and
+ * Stochastic Shadows" (I3D 2018).
+ *
  * What sampled light adds is kept apart: all of it as it would be if nothing were in its way (whole), and what arrives
  * (arrived), so that their ratio can be filtered without blurring anything else. */
 #include "render/tile/tile.h"
@@ -9,7 +15,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { STREAM = 256 }; /* rays that are asked together */
+enum { STREAM = 256, PLACES = 4 }; /* rays that are asked together; places of which one is drawn for a ray */
 
 /* What tells a point's samples from those of others: where in the picture it counts, the picture's sample, and which
  * light asks. */
@@ -47,6 +53,89 @@ static daft_ray ray_to_light(const tile_job *j, const daft_batch *points, uint32
     return (daft_ray){.origin = from, .direction = to, .tmax = light->sun ? INFINITY : 1};
 }
 
+/* A place of a rectangle that shines, in parts of its sides. A ray ends before what glows in its place. */
+static float rectangle_ray(const daft_light_source *light, daft_vec3 n, float u, float v, daft_ray *ray)
+{
+    const daft_vec3 place = daft_add(daft_scale(light->edges[0], u - 0.5f), daft_scale(light->edges[1], v - 0.5f));
+    const daft_vec3 to = daft_add(daft_sub(light->position, ray->origin), place);
+    const float length2 = daft_dot(to, to), there = daft_dot(to, light->to_light), here = daft_dot(to, n);
+    ray->direction = to, ray->tmax = 0.999f;
+    return there > 0 && here > 0 ? there * here / (length2 * length2) : 0;
+}
+
+/* A direction to a sphere that glows, within its cone: `part` of the solid angle around the middle, turned to `unit`,
+ * or with NULL up. The ray ends before the sphere, which is a little larger here, by more than roundings of its place.
+ */
+static float sphere_ray(const daft_light_source *light, daft_vec3 n, float part, const daft_vec2 *unit, daft_ray *ray)
+{
+    const daft_vec3 p = light->position, to = daft_sub(p, ray->origin);
+    const float length2 = daft_dot(to, to), r = light->radius, length = sqrtf(length2), sine2 = r * r / length2;
+    if (!(sine2 < 1)) return 0;
+    const float aside = part * (sine2 / (1 + sqrtf(1 - sine2))), sine = sqrtf(aside * (2 - aside));
+    const float larger = 1.001f * r + 0x1p-20f * (fabsf(p.x) + fabsf(p.y) + fabsf(p.z)),
+                off = larger * larger - length2 * sine * sine;
+    daft_vec3 a, b;
+    const daft_vec3 middle = daft_scale(to, 1 / length);
+    daft_axes_across(middle, &a, &b);
+    const daft_vec3 across = unit ? daft_add(daft_scale(a, unit->x), daft_scale(b, unit->y))
+                                  : daft_normalize(daft_sub(n, daft_scale(middle, daft_dot(n, middle))));
+    ray->direction = daft_add(daft_scale(middle, 1 - aside), daft_scale(across, sine));
+    ray->tmax = fmaxf(length * (1 - aside) - sqrtf(fmaxf(off, 0)), 0);
+    return fmaxf(daft_dot(ray->direction, n), 0);
+}
+
+/* Place `k` of `count`; of 0: the middle. */
+static float place_ray(const tile_job *j, const daft_light_source *light, daft_vec3 n, daft_dice d, uint32_t k,
+                       uint32_t count, daft_ray *ray)
+{
+    const float part = count ? daft_dice_part(d, k, count) : 0;
+    if (light->area == DAFT_AREA_SPHERE) return sphere_ray(light, n, part, &j->r->turns[daft_dice_turn(d, k)], ray);
+    const float along = (float)((d.turn + k * DAFT_GOLDEN) >> 8) * 0x1p-24f;
+    return rectangle_ray(light, n, count ? along : 0.5f, count ? part : 0.5f, ray);
+}
+
+/* A place of what little of the light is above the horizon, where no other was found: ever nearer to the highest
+ * corner of a rectangle, or at the top of a sphere. */
+static float sliver_ray(const daft_light_source *light, daft_vec3 n, daft_dice d, daft_ray *ray)
+{
+    const float u = daft_dot(light->edges[0], n) > 0 ? 1 : 0, v = daft_dot(light->edges[1], n) > 0 ? 1 : 0,
+                along = (float)(d.turn >> 8) * 0x1p-24f, across = (float)(d.radius >> 8) * 0x1p-24f;
+    if (light->area == DAFT_AREA_SPHERE) return 0.01f * sphere_ray(light, n, 0.99f, NULL, ray);
+    for (float part = 0.5f; part > 0x1p-8f; part *= 0.5f) {
+        const float found = rectangle_ray(light, n, u + (along - u) * part, v + (across - v) * part, ray);
+        if (found > 0) return found * part * part;
+    }
+    return 0;
+}
+
+/* A number that nothing of the dice is seen in (PCG's output: O'Neill, 2014): even ones would beat with their places.
+ */
+static uint32_t scramble(uint32_t x)
+{
+    x = ((x >> ((x >> 28) + 4)) ^ x) * 277803737u;
+    return x >> 22 ^ x;
+}
+
+/* Ray `k` of `rays` to an area, and its weight. */
+static float area_ray(const tile_job *j, const daft_batch *points, uint32_t i, const daft_light_source *light,
+                      uint32_t k, uint32_t rays, uint32_t salt, daft_ray *ray)
+{
+    const daft_vec3 n = lane(&points->normal, i);
+    const daft_dice d = throw_dice(j, points, i, salt);
+    const uint32_t places = j->snapshot->quality.shadow_samples ? PLACES : 1, count = places > 1 ? PLACES * rays : 0;
+    float sum = 0, upto[PLACES];
+    daft_ray all[PLACES];
+    for (uint32_t p = 0; p < places; p++) {
+        all[p] = (daft_ray){.origin = lane(&points->shadow_origin, i)};
+        upto[p] = sum += place_ray(j, light, n, d, k * PLACES + p, count, &all[p]);
+    }
+    const float at = (float)(scramble(d.turn + 2891336453u * d.radius + k * DAFT_R2_X) >> 8) * 0x1p-24f * sum;
+    uint32_t p = 0;
+    while (p + 1 < places && !(at < upto[p])) p++;
+    *ray = all[p];
+    return sum > 0 ? sum : sliver_ray(light, n, d, ray);
+}
+
 /* More of them where the surface faces (Malley's method: points of the disc, raised to the hemisphere); those that
  * would enter the facets of a smooth surface are mirrored by them. */
 static daft_ray ray_around(const tile_job *j, const daft_batch *points, uint32_t i, uint32_t k)
@@ -68,6 +157,7 @@ typedef struct ray_queue {
     uint32_t count;
     daft_ray ray[STREAM];
     uint32_t point[STREAM];
+    float weight[STREAM];
 } ray_queue;
 
 /* What surfaces with alpha leave of a ray, over all colours. */
@@ -77,39 +167,52 @@ static float filtered(tile_job *j, const daft_batch *points, const daft_ray *ray
     return left.x == left.y && left.y == left.z ? left.x : (left.x + left.y + left.z) / 3;
 }
 
-static void ask(tile_job *j, const daft_batch *points, ray_queue *q, daft_effect_kind effect, float each, float *open)
+static void ask(tile_job *j, const daft_batch *points, ray_queue *q, daft_effect_kind effect, float *open)
 {
     uint32_t stopped[STREAM / 32];
     const bool filters = j->frame->plan.filters;
     j->r->accel->occluded_stream(j->frame->tlas, q->ray, q->count, stopped);
     for (uint32_t i = 0; i < q->count; i++) {
         if (stopped[i / 32] >> (i % 32) & 1) continue;
-        open[q->point[i]] += filters ? each * filtered(j, points, &q->ray[i], q->point[i]) : each;
+        open[q->point[i]] += filters ? q->weight[i] * filtered(j, points, &q->ray[i], q->point[i]) : q->weight[i];
     }
     j->s->rays_cast[effect] += q->count;
     q->count = 0;
 }
 
-/* What fraction of the light's rays, or with NULL of those around, arrives at each point of the bits. */
+/* Ray `k` of `rays` to the light, or with NULL around, and its weight; 0: there is none. */
+static float make_ray(const tile_job *j, const daft_batch *points, uint32_t i, const daft_light_source *light,
+                      uint32_t k, uint32_t rays, uint32_t salt, daft_ray *ray)
+{
+    if (light && light->area) return area_ray(j, points, i, light, k, rays, salt, ray);
+    *ray = light ? ray_to_light(j, points, i, light, k, salt) : ray_around(j, points, i, k);
+    return 1 / (float)rays;
+}
+
+/* What fraction of the light, or with NULL of what is around, arrives at each point of the bits. */
 static void sample(tile_job *j, const daft_batch *points, const daft_light_source *light, uint32_t salt,
                    const uint32_t *bits, float *open)
 {
     const daft_effect_kind effect = light ? DAFT_EFFECT_SHADOW : DAFT_EFFECT_OCCLUSION;
     const daft_quality *quality = &j->snapshot->quality;
-    const uint32_t rays = (uint32_t)(light ? quality->shadow_samples : quality->occlusion_samples);
+    const uint32_t rays = (uint32_t)daft_max_i(light ? quality->shadow_samples : quality->occlusion_samples, 1);
+    float all[DAFT_BATCH_ROOM];
     ray_queue q;
     q.count = 0;
     memset(open, 0, points->count * sizeof *open);
+    memset(all, 0, points->count * sizeof *all);
     for (uint32_t k = 0; k < rays; k++) {
-        daft_cost_add_some(j, points->pixel, bits, points->count);
         for (uint32_t i = 0; i < points->count; i++) {
             if (!(bits[i / 32] >> (i % 32) & 1)) continue;
-            q.point[q.count] = i;
-            q.ray[q.count++] = light ? ray_to_light(j, points, i, light, k, salt) : ray_around(j, points, i, k);
-            if (q.count == STREAM) ask(j, points, &q, effect, 1 / (float)rays, open);
+            const float weight = make_ray(j, points, i, light, k, rays, salt, &q.ray[q.count]);
+            if (!(weight > 0)) continue;
+            daft_cost_add(j, &points->pixel[i], 1);
+            q.point[q.count] = i, q.weight[q.count] = weight, all[i] += weight;
+            if (++q.count == STREAM) ask(j, points, &q, effect, open);
         }
     }
-    if (q.count) ask(j, points, &q, effect, 1 / (float)rays, open);
+    if (q.count) ask(j, points, &q, effect, open);
+    for (uint32_t i = 0; light && light->area && i < points->count; i++) open[i] = all[i] > 0 ? open[i] / all[i] : 0;
     ran(j, effect);
     book(j, effect);
 }

@@ -36,9 +36,11 @@ void daft_tile_surfaces(tile_job *j, const daft_pencil *pencil, const daft_seen_
     if (s->points.count) ran(j, DAFT_EFFECT_SURFACE);
 }
 
+/* An area is asked by rays even where these are to be sharp: a pencil would meet the sphere that glows. */
 static bool is_soft(const tile_job *j, const daft_light_source *light)
 {
-    return j->frame->plan.soft && light->casts_shadow && light->radius > 0;
+    return j->frame->plan.soft && light->casts_shadow &&
+           (light->area || (light->radius > 0 && j->snapshot->quality.shadow_samples > 0));
 }
 
 /* Where a batch's points are: a box, and the ball around it. */
@@ -59,7 +61,16 @@ static surroundings where(const tile_job *j, const daft_batch *points)
 
 static float beyond(float x, float low, float high) { return x < low ? low - x : x > high ? x - high : 0; }
 
-/* False: its range ends, or its cone passes, before all of the points; by more than roundings of either. */
+/* Whether some corner of the box may lie on the side to which a rectangle shines. */
+static bool is_before(const daft_light_source *light, const surroundings *w)
+{
+    const daft_vec3 d = light->to_light, p = light->position;
+    const daft_vec3 near =
+        daft_v3(d.x > 0 ? w->low.x : w->high.x, d.y > 0 ? w->low.y : w->high.y, d.z > 0 ? w->low.z : w->high.z);
+    return !(daft_dot(daft_sub(near, p), d) > 1e-6f * (fabsf(p.x) + fabsf(p.y) + fabsf(p.z)));
+}
+
+/* False: its range ends, its cone passes or it shines away, before all of the points; by more than roundings. */
 static bool may_reach(const daft_light_source *light, const surroundings *w)
 {
     const daft_vec3 p = light->position;
@@ -68,6 +79,7 @@ static bool may_reach(const daft_light_source *light, const surroundings *w)
                     z = beyond(p.z, w->low.z, w->high.z);
         if (x * x + y * y + z * z > light->range * light->range * 1.0001f) return false;
     }
+    if (light->area == DAFT_AREA_RECTANGLE && !is_before(light, w)) return false;
     if (!light->spot || light->cone_cosine <= 0.01f) return true;
     const daft_vec3 to = daft_sub(w->middle, p);
     const float along = -daft_dot(to, light->to_light), length2 = daft_dot(to, to);

@@ -72,7 +72,9 @@ static bool shadow_stays(const daft_sight *sight, const daft_light_def *light, d
         const double length = sqrt(daft_ddot(d, d));
         return daft_ddot(n, d) + length * daft_tan((double)light->disc) <= 0;
     }
-    return reach <= daft_ddot(n, daft_dsub(light->position, sight->origin)) - (double)light->radius;
+    const double w = (double)light->size.x, h = (double)light->size.y,
+                 extent = light->kind == DAFT_LIGHT_RECTANGLE ? sqrt(w * w + h * h) / 2 : (double)light->radius;
+    return reach <= daft_ddot(n, daft_dsub(light->position, sight->origin)) - extent;
 }
 
 bool daft_sight_has(const daft_scene *scene, const daft_sight *sight, const daft_entity_item *item, daft_vec3 low,
@@ -88,7 +90,7 @@ bool daft_sight_has(const daft_scene *scene, const daft_sight *sight, const daft
         reach[i] = farthest(sight, &item->world, middle, half, sight->planes[i]);
         seen = seen && !(reach[i] + (double)sight->margin < 0);
     }
-    if (seen) return true;
+    if (seen || (sight->shadows && item->def.casts_shadow && scene->glowing)) return true;
     for (uint32_t l = 0; sight->shadows && item->def.casts_shadow && l < scene->light_slots.count; l++) {
         const daft_light_def *light = &scene->lights[l];
         bool stays = !scene->light_slots.items[l].live || !light->casts_shadow;

@@ -106,6 +106,11 @@ static const form FORMS[] = {
         FIELD("r g b", "color"),
         FIELD("angle", "outer_angle", .optional = true),
         FIELD("inner", "inner_angle", .optional = true, .fraction = 0.75)}},
+    {"rectangle", DAFT_ITEM_LIGHT, LIGHT(DAFT_LIGHT_RECTANGLE), {
+        FIELD("x y z", "position"),
+        FIELD("dx dy dz", "direction"),
+        FIELD("width height", "size"),
+        FIELD("r g b", "color")}},
     {"ambient", DAFT_ITEM_AMBIENT, NO_STRUCT, {
         FIELD("r g b", NULL, .own = &AMBIENT),
         FIELD("occlusion", NULL, .own = &OCCLUSION, .optional = true)}},

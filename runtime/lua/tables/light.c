@@ -22,6 +22,8 @@ const api_form api_sun_form = {"light.sun", "daft.light.sun", DAFT_STRUCT_LIGHT_
 const api_form api_point_form = {"light.point", "daft.light.point", DAFT_STRUCT_LIGHT_DEF, DAFT_LIGHT_POINT, NULL, 0};
 const api_form api_spot_form = {"light.spot",    "daft.light.spot", DAFT_STRUCT_LIGHT_DEF,
                                 DAFT_LIGHT_SPOT, SPOT_SPECIALS,     COUNT_OF(SPOT_SPECIALS)};
+const api_form api_rectangle_form = {
+    "light.rectangle", "daft.light.rectangle", DAFT_STRUCT_LIGHT_DEF, DAFT_LIGHT_RECTANGLE, NULL, 0};
 
 const api_form api_fog_form = {"fog", "daft.fog", DAFT_STRUCT_FOG, -1, NULL, 0};
 
@@ -30,8 +32,10 @@ const api_form api_exposure_form = {"exposure", "daft.exposure", DAFT_STRUCT_EXP
 /* Changes what the table at `table` names. */
 static void read_light(lua_State *L, host *h, int table, daft_light_def *def)
 {
-    static const api_form *const FORMS[] = {
-        [DAFT_LIGHT_POINT] = &api_point_form, [DAFT_LIGHT_SUN] = &api_sun_form, [DAFT_LIGHT_SPOT] = &api_spot_form};
+    static const api_form *const FORMS[] = {[DAFT_LIGHT_POINT] = &api_point_form,
+                                            [DAFT_LIGHT_SUN] = &api_sun_form,
+                                            [DAFT_LIGHT_SPOT] = &api_spot_form,
+                                            [DAFT_LIGHT_RECTANGLE] = &api_rectangle_form};
     api_read_struct(L, h, table, NULL, FORMS[def->kind], def);
 }
 
@@ -51,6 +55,8 @@ static int sun(lua_State *L, host *h) { return create(L, h, DAFT_LIGHT_SUN); }
 static int point(lua_State *L, host *h) { return create(L, h, DAFT_LIGHT_POINT); }
 
 static int spot(lua_State *L, host *h) { return create(L, h, DAFT_LIGHT_SPOT); }
+
+static int rectangle(lua_State *L, host *h) { return create(L, h, DAFT_LIGHT_RECTANGLE); }
 
 /* The lights of an entity's file where the entity stands. */
 static int add_lights(lua_State *L, host *h)
@@ -234,9 +240,10 @@ static const api_function FUNCTIONS[] = {
      "Makes lights of those that its mesh's file has, where it stands now, and lists them. Those of glTF have their\n"
      "candela or lux / pi as colour: bright ones need daft.exposure.",
      add_lights, API_CHANGES},
+    {"light.rectangle", "{...} -> light", "A rectangle that shines to one side, softly.", rectangle, API_CHANGES},
     {"light:set", "{...}", "Changes what the table names.", set, API_CHANGES},
-    {"light:position", "(x, y, z)", "Moves a point light or a spot.", set_position, API_CHANGES},
-    {"light:direction", "(x, y, z)", "Turns a sun or a spot.", set_direction, API_CHANGES},
+    {"light:position", "(x, y, z)", "Moves a light that is no sun.", set_position, API_CHANGES},
+    {"light:direction", "(x, y, z)", "Turns a light that is no point light.", set_direction, API_CHANGES},
     {"light:color", "(color)", "Values above 1 are brighter.", set_color, API_CHANGES},
     {"light:shadow", "(on)", "Whether entities cast shadows in it.", set_shadow, API_CHANGES},
     {"light:destroy", "()", "Puts it out for good.", destroy, API_CHANGES},

@@ -119,6 +119,12 @@ local function lights()
     expect_error("inner_angle is 0.9", spot.set, spot, { inner = 0.9 })
     expect_error("angle is 4", daft.light.spot, { angle = 4 })
     spot:destroy()
+    local panel = daft.light.rectangle { position = { 0, 3, 0 }, direction = { 0, -1, 0 }, size = { 2, 1 }, turn = 0.5 }
+    panel:set { size = { 1, 1 }, range = 5 }
+    panel:direction(1, 0, 0)
+    expect_error("size.x is 0", panel.set, panel, { size = { 0, 1 } })
+    panel:destroy()
+    daft.entity({ sphere = 0.1, position = { 0, 60, 0 }, material = { emission = 5 }, lights = true }):destroy()
     local short = daft.light.point { position = { 0, 1, 0 } }
     short:destroy()
     assert(not short:valid() and sun:valid())

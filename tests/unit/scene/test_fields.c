@@ -217,7 +217,7 @@ static void kinds_use_their_fields_alone(void **state)
     assert_string_equal(error.message, "outer_angle is 4; it must be above 0 and at most 3.14159 rad");
     def.kind = (daft_light_kind)7;
     assert_false(daft_struct_check(DAFT_STRUCT_LIGHT_DEF, &def, &error));
-    assert_string_equal(error.message, "kind is 7; it must be point, sun or spot");
+    assert_string_equal(error.message, "kind is 7; it must be point, sun, spot or rectangle");
     def.cookie = 0;
     assert_false(daft_struct_check(DAFT_STRUCT_LIGHT_DEF, &def, &error));
     assert_string_equal(error.message, "the definition is not initialised: start from daft_default_light_def()");
@@ -282,7 +282,7 @@ static void text_goes_both_ways(void **state)
                {color, "1, 2, 3, 4", "it must be numbers"},
                {color, "1, 2, -3", "color.z is -3; it must be finite and 0 or more"},
                {color, "1, 2, nan", "it must be numbers"},
-               {kind, "light", "kind is 'light'; it must be point, sun or spot"},
+               {kind, "light", "kind is 'light'; it must be point, sun, spot or rectangle"},
                {color + 1, "perhaps", "casts_shadow is 'perhaps'; it must be true or false"},
                {color - 4, "1", "cookie cannot be set from text"}};
     for (size_t i = 0; i < DAFT_COUNT_OF(bad); i++) {
