@@ -161,11 +161,12 @@ static bool soft_light_reaches(const daft_snapshot *snapshot, const daft_instanc
 {
     for (uint32_t i = 0; i < snapshot->light_count; i++) {
         const daft_light_source *light = &snapshot->lights[i];
-        if (!light->casts_shadow || !(light->radius > 0)) continue;
+        if (!light->casts_shadow || !(light->area || light->radius > 0)) continue;
         const daft_vec3 away = daft_v3(beyond(light->position.x, instance->low.x, instance->high.x),
                                        beyond(light->position.y, instance->low.y, instance->high.y),
                                        beyond(light->position.z, instance->low.z, instance->high.z));
-        if (light->sun || !(light->range > 0) || daft_dot(away, away) <= light->range * light->range * 1.0001f)
+        if (light->area || light->sun || !(light->range > 0) ||
+            daft_dot(away, away) <= light->range * light->range * 1.0001f)
             return true;
     }
     return false;
@@ -180,7 +181,7 @@ static void narrow_sampling(daft_plan *plan, const daft_snapshot *snapshot, cons
         reached = raster->visible[i].instance && soft_light_reaches(snapshot, raster->visible[i].instance);
     plan->soft = reached, plan->glossy = false;
     plan->samples_light = plan->soft || plan->occlusion;
-    plan->denoise = plan->samples_light;
+    plan->denoise = (plan->soft && plan->quality->shadow_samples > 0) || plan->occlusion;
 }
 
 void daft_plan_narrow(daft_plan *plan, const daft_snapshot *snapshot, const daft_raster *raster)
