@@ -50,7 +50,7 @@ for game in "$out"/*/main.lua; do
 done
 
 mkdir -p "$out/assets/scenes"
-ln -s "$root/assets/meshes" "$root/assets/sky" "$out/assets/"
+ln -s "$root/assets/meshes" "$root/assets/sky" "$root/assets/textures" "$out/assets/"
 for example in "$out"/*.scene; do
     mv "$example" "$out/assets/scenes/"
     "$program" render "$out/assets/scenes/$(basename "$example")" -o "$out/picture.png" --size 64x36 >"$out/log" 2>&1 ||
