@@ -723,7 +723,7 @@ static void skies_of_the_same_bytes_are_shared(void **unused)
     daft_image_cache cache = {NULL};
     daft_image_file files[6];
     for (int i = 0; i < 6; i++) {
-        char name[16];
+        char name[32];
         snprintf(name, sizeof name, "face%d.png", i);
         write_noise(&allocator, test_path(name), 8, 8);
         files[i] = file_of(&allocator, test_path(name));
