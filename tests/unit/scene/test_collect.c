@@ -225,7 +225,8 @@ static void scenes_share_pictures(void **unused)
     (void)unused;
     daft_error error;
     daft_image *picture = daft_image_create(engine, 512, 256, &error);
-    for (int i = 0; i < 4 * 512 * 256; i++) daft_image_pixels(picture)[i] = (uint8_t)(i % 4 == 3 ? 255 : i * i % 251);
+    for (uint32_t i = 0; i < 4u * 512 * 256; i++)
+        daft_image_pixels(picture)[i] = (uint8_t)(i % 4 == 3 ? 255 : i * i % 251);
     assert_true(daft_image_write(picture, test_path("shared.png"), &error));
     daft_image_destroy(picture);
     const uint64_t empty = daft_engine_memory(engine).used;
