@@ -22,23 +22,26 @@ local MOVED = 0.6 -- metres from where it stood: toppled
 
 blocks.kings, blocks.ladies = {}, {}
 local things, places = {}, {} -- all entities of the level; for blocks, where they stood
+local moving = {}             -- those of them that the simulation moves, in the order in which they were made
 local ropes = {}
 
-local function keep(e)
+local function keep(e, body)
     things[#things + 1] = e
+    if body == "dynamic" then moving[#moving + 1] = e end
     return e
 end
 
 -- A block of a kind: its middle, its edges, how it is turned.
 function blocks.add(kind, x, y, z, size, rotation)
     local look = KINDS[kind]
+    local body = look.body or "dynamic"
     local block = keep(daft.entity { box = size, position = { x, y, z }, rotation = rotation, material = look.material,
-        density = look.density, friction = look.friction, body = look.body or "dynamic", data = { kind = kind } })
+        density = look.density, friction = look.friction, body = body, data = { kind = kind } }, body)
     if not look.body then places[#places + 1] = { block = block, x = x, y = y, z = z } end
     return block
 end
 
-function blocks.thing(fields) return keep(daft.entity(fields)) end
+function blocks.thing(fields) return keep(daft.entity(fields), fields.body) end
 
 -- A rope from a fixed point to a body's middle: it holds, and it is drawn.
 function blocks.rope(body, from, length)
@@ -119,7 +122,7 @@ local function person(x, y, z, robe, look, data)
     local body = keep(daft.entity(shapes.cone { radius = 0.36, height = 1.2, position = { x, y + 0.6, z }, material = robe,
         body = "dynamic", density = 180, friction = 0.7, data = data, collider = {
             { cylinder = { radius = 0.34, height = 0.5 }, position = { 0, -0.35, 0 } },
-            { cylinder = { radius = 0.22, height = 0.8 }, position = { 0, 0.2, 0 } } } }))
+            { cylinder = { radius = 0.22, height = 0.8 }, position = { 0, 0.2, 0 } } } }), "dynamic")
     local function on(fields)
         fields.parent = body
         return daft.entity(fields)
@@ -190,6 +193,50 @@ function blocks.toppled()
     return count
 end
 
+-- Where a body is, how it is turned, and how it moves: 13 numbers.
+function blocks.motion(body)
+    local x, y, z = body:position()
+    local a, b, c, d = body:rotation()
+    local vx, vy, vz = body:velocity()
+    return { x, y, z, a, b, c, d, vx, vy, vz, body:angular_velocity() }
+end
+
+function blocks.move(body, m)
+    body:teleport(m[1], m[2], m[3])
+    body:rotation(m[4], m[5], m[6], m[7])
+    body:velocity(m[8], m[9], m[10])
+    body:angular_velocity(m[11], m[12], m[13])
+end
+
+-- The level as it stands now, for blocks.restore in the same level built anew.
+function blocks.state()
+    local state = { motions = {}, starts = {}, down = {} }
+    for i, body in ipairs(moving) do state.motions[i] = blocks.motion(body) end
+    for i, p in ipairs(places) do state.starts[i] = { p.x, p.y, p.z } end
+    for _, list in ipairs { blocks.kings, blocks.ladies } do
+        for _, who in ipairs(list) do table.insert(state.down, who.down) end
+    end
+    return state
+end
+
+-- Says false, and does nothing, where the level is built otherwise now.
+function blocks.restore(state)
+    if #state.motions ~= #moving or #state.starts ~= #places then return false end
+    for i, p in ipairs(places) do
+        local start = state.starts[i]
+        if start[1] ~= p.x or start[2] ~= p.y or start[3] ~= p.z then return false end
+    end
+    for i, body in ipairs(moving) do blocks.move(body, state.motions[i]) end
+    local i = 0
+    for _, list in ipairs { blocks.kings, blocks.ladies } do
+        for _, who in ipairs(list) do
+            i = i + 1
+            who.down = state.down[i]
+        end
+    end
+    return true
+end
+
 -- Draws the ropes to where their bodies are.
 function blocks.update()
     for _, rope in ipairs(ropes) do
@@ -207,7 +254,7 @@ function blocks.clear()
     for _, e in ipairs(things) do
         if e:valid() then e:destroy() end
     end
-    things, places, ropes, blocks.kings, blocks.ladies = {}, {}, {}, {}, {}
+    things, places, moving, ropes, blocks.kings, blocks.ladies = {}, {}, {}, {}, {}, {}
 end
 
 return blocks

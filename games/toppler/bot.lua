@@ -36,6 +36,8 @@ local function rest()
     for key in pairs(down) do press(key, false) end
 end
 
+function bot.playing() return playing end
+
 function bot.toggle()
     playing = not playing
     if not playing then rest() end

@@ -72,6 +72,16 @@ function cameras.watch(view, time)
         { view[1], view[2] * 0.7, view[3] }, 1.6)
 end
 
+-- For cameras.restore: where it is and looks, and where it goes.
+function cameras.state()
+    return { from = from, at = at, goal_from = goal_from, goal_at = goal_at, haste = haste, shake = shake }
+end
+
+function cameras.restore(state)
+    from, at, goal_from, goal_at, haste, shake = state.from, state.at, state.goal_from, state.goal_at, state.haste, state.shake
+    ride = nil
+end
+
 function cameras.jolt(metres) shake = math.max(shake, metres) end
 
 function cameras.update(dt)

@@ -85,6 +85,13 @@ function catapult.throw(pull)
     return { MUZZLE[1] * c, MUZZLE[2], MUZZLE[1] * s }, { level * c, speed * math.sin(catapult.pitch), level * s }
 end
 
+-- A shot on its way.
+function catapult.shot(kind, place, velocity)
+    local shot = SHOTS[kind]
+    return daft.entity { sphere = shot.radius, mass = shot.mass, material = shot.material, body = "dynamic", bullet = true,
+        position = place, velocity = velocity, friction = 0.7, rolling_resistance = 0.08, data = { kind = kind } }
+end
+
 -- Only in a task: swings the arm up, and gives the shot that it has thrown.
 function catapult.fire(kind, pull)
     local from = lean
@@ -93,9 +100,7 @@ function catapult.fire(kind, pull)
         wait()
     end
     catapult.load(nil)
-    local shot, place, velocity = SHOTS[kind], catapult.throw(pull)
-    return daft.entity { sphere = shot.radius, mass = shot.mass, material = shot.material, body = "dynamic", bullet = true,
-        position = place, velocity = velocity, friction = 0.7, rolling_resistance = 0.08, data = { kind = kind } }
+    return catapult.shot(kind, catapult.throw(pull))
 end
 
 return catapult

@@ -26,12 +26,11 @@ local view_time = 0
 
 local function say(text, seconds) game.note, game.note_left = text, seconds end
 
-local function settings_changed()
+local function apply_settings()
     local s = progress.settings
     daft.volume("music", s.music / 10 * 0.6)
     daft.volume("effects", s.effects / 10)
     cameras.shaking = s.shaking
-    progress.save()
 end
 
 -- ---- a level ----
@@ -110,6 +109,10 @@ local function throw(kind)
     ball = catapult.fire(kind, game.last_pull)
     game.ball = ball
     sounds.play("whoosh", { at = ball, volume = 0.6 })
+end
+
+-- In a task: until the shot has done what it does.
+local function watch()
     wait_until(settled)
     ball = nil
 end
@@ -140,17 +143,27 @@ local function slow_motion()
     wait(0.7)
 end
 
-local function run()
+local function fly()
     game.state = "fly"
     cameras.fly(game.level.view, catapult)
     wait()
     wait_until(function() return not cameras.flying() or controls.confirm() end)
     cameras.skip()
     wait()
-    for i, kind in ipairs(game.level.shots) do
+end
+
+-- In a task: a level from its start, or from where game.shot and game.state say that it stands.
+local function run(from)
+    if from == "fly" then fly() end
+    for i = game.shot, #game.level.shots do
         game.shot = i
-        take_aim(kind)
-        if not over() then throw(kind) end
+        if from ~= "watch" then
+            local kind = game.level.shots[i]
+            take_aim(kind)
+            if not over() then throw(kind) end
+        end
+        if game.state == "watch" then watch() end
+        from = nil
         if over() then break end
     end
     if over() then slow_motion() end
@@ -166,7 +179,7 @@ local function play(number)
     count()
     view_time = 0
     sounds.music("play")
-    flow = daft.start(run)
+    flow = daft.start(run, "fly")
 end
 
 -- ---- the title and its menus ----
@@ -188,7 +201,8 @@ local function setting(label, name)
     local number = type(progress.settings[name]) == "number"
     return { label = label, from = number and 0 or nil, to = number and 10 or nil, value = progress.settings[name], changed = function(value)
         progress.settings[name] = value
-        settings_changed()
+        apply_settings()
+        progress.save()
     end }
 end
 
@@ -232,9 +246,43 @@ function daft.load()
     scenery.build()
     catapult.build()
     effects.load()
-    settings_changed()
+    apply_settings()
     game.state = ""
     title()
+end
+
+-- ---- live reload: what goes on in the new code ----
+
+local KEPT = { "state", "shot", "last_pull", "lady_fell", "kings", "points", "stars", "kings_text", "lost_text", "record",
+    "note", "note_left" }
+
+function daft.keep()
+    local old = { bot = bot.playing(), view_time = view_time, thrown = thrown, yaw = catapult.yaw, pitch = catapult.pitch,
+        number = game.number, game = {}, blocks = blocks.state(), camera = cameras.state() }
+    for _, name in ipairs(KEPT) do old.game[name] = game[name] end
+    if game.ball then old.ball, old.kind, old.flies = blocks.motion(game.ball), game.ball.data.kind, ball ~= nil end
+    return old
+end
+
+function daft.reload(old)
+    if old.bot ~= bot.playing() then bot.toggle() end
+    if old.game.state == "title" then
+        view_time = old.view_time
+        return
+    end
+    play(old.number)
+    if old.game.state == "fly" or not blocks.restore(old.blocks) then return end
+    daft.cancel(flow)
+    for _, name in ipairs(KEPT) do game[name] = old.game[name] end
+    catapult.yaw, catapult.pitch, view_time, thrown = old.yaw, old.pitch, old.view_time, old.thrown
+    catapult.pose(0)
+    cameras.restore(old.camera)
+    if old.ball then
+        game.ball = catapult.shot(old.kind, { table.unpack(old.ball, 1, 3) })
+        blocks.move(game.ball, old.ball)
+        ball = old.flies and game.ball or nil
+    end
+    if game.state == "aim" or game.state == "watch" then flow = daft.start(run, game.state) end
 end
 
 local MOST_DUST = 8               -- clouds of it in one tick

@@ -10,7 +10,7 @@
 
 enum { DEEPEST = 8, MOST = 4096 };
 /* Between two looks; the second one at something new; and where there are so many files that a look takes long. */
-static const uint64_t EVERY_NS = 25000000, SOON_NS = 10000000, SELDOM_NS = 200000000;
+static const uint64_t EVERY_NS = 12000000, SOON_NS = 10000000, SELDOM_NS = 200000000;
 
 /* What games load. Recordings and the like are written beside them while they run. */
 static bool is_loaded(const char *name)

@@ -66,3 +66,53 @@ test("the first level is lost where nothing is hit", function()
     end
     test.wait_for(function() return game.state == "lost" end, 12)
 end)
+
+-- What live reload does, in one and the same code.
+local function reload()
+    local old = daft.keep()
+    daft.reload(old)
+    return old, daft.keep()
+end
+
+local function same(old, new, path)
+    if math.type(old) == "float" then return test.near(new, old, 1e-6, path) end -- a rotation's length is made 1 again
+    if type(old) ~= "table" then return test.equal(new, old, path) end
+    for name, value in pairs(old) do
+        if path ~= "old.camera" then same(value, new[name], path .. "." .. tostring(name)) end
+    end
+end
+
+test("a shot on its way flies on in new code", function()
+    begin()
+    test.press("left", 0.3)
+    test.press("space", 0.8)
+    test.wait_for(function() return game.ball end, 2)
+    test.ticks(90)
+    test.equal(game.state, "watch")
+    local old, new = reload()
+    same(old, new, "old")
+    test.equal(new.flies, true)
+    test.wait_for(function() return game.state == "aim" or game.state == "lost" end, 20)
+    test.equal(game.shot, 2)
+    old, new = reload()
+    same(old, new, "old")
+    test.equal(new.flies, false)
+end)
+
+test("a level that has been won stays won in new code", function()
+    bot.toggle()
+    test.wait_for(function() return game.state == "won" end, 60)
+    local old, new = reload()
+    same(old, new, "old")
+    test.equal(new.game.points, game.points)
+    test.equal(#new.blocks.down, 1)
+    test.equal(new.blocks.down[1], true)
+end)
+
+test("a level that is built otherwise begins anew", function()
+    begin()
+    local old = daft.keep()
+    old.blocks.starts[1][1] = old.blocks.starts[1][1] + 1
+    daft.reload(old)
+    test.equal(game.state, "fly")
+end)
