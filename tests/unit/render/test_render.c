@@ -108,11 +108,14 @@ static void same_bytes_however_computed(void **unused)
     (void)unused;
     const char *scenes[] = {"assets/scenes/hello.scene", "assets/scenes/temple.scene", "assets/scenes/islands.scene",
                             "assets/scenes/glass.scene", "assets/scenes/forest.scene", "assets/scenes/hall.scene",
-                            "assets/scenes/town.scene"};
+                            "assets/scenes/town.scene", "assets/scenes/gallery.scene"};
     for (size_t i = 0; i < sizeof scenes / sizeof scenes[0]; i++) {
         uint64_t expected = 0;
+        /* What a mirrored camera sees may be another triangle than a reflected ray's, where both round at an edge: see
+         * plane_mirrors_are_pencils. */
+        const int kinds = strstr(scenes[i], "gallery") ? 3 : 4;
         for (int isa = 0; isa <= daft_isa_best(); isa++) {
-            for (int kind = 0; kind < 4; kind++) {
+            for (int kind = 0; kind < kinds; kind++) {
                 stage *s = stage_make(daft_isa_name(isa), kind == 0 ? 1 : kind == 1 ? 2 : 5);
                 char path[512];
                 daft_error error = {0};
