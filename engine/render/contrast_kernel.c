@@ -32,8 +32,14 @@ DAFT_INLINE pixels pixels_at(const daft_neighbours *n, int x, int y)
 }
 
 typedef struct bits {
-    uint32_t outline, inner;
+    uint32_t outline, inner, strong;
 } bits;
+
+DAFT_INLINE vbits apart(const pixels *a, const pixels *b, vi most)
+{
+    const vi far = beyond(a->red_blue, b->red_blue, most) | beyond(a->green, b->green, most);
+    return ~vbits_from_mask(vi_eq(far, vi_set(0))) & DAFT_ALL_LANES;
+}
 
 DAFT_INLINE bits disagree(const pixels *a, const pixels *b, const daft_contrast *limit)
 {
@@ -41,32 +47,33 @@ DAFT_INLINE bits disagree(const pixels *a, const pixels *b, const daft_contrast 
     const vi most =
         vi_if_then_else(same, vi_set(HALVES(limit->inner)),
                         vi_if_then_else(instance, vi_set(HALVES(limit->crease)), vi_set(HALVES(limit->outline))));
-    const vi far = beyond(a->red_blue, b->red_blue, most) | beyond(a->green, b->green, most);
-    const vbits differ = ~vbits_from_mask(vi_eq(far, vi_set(0))) & DAFT_ALL_LANES;
-    if (!differ) return (bits){0, 0};
-    const vbits sky = vbits_from_mask(vi_eq(a->id, vi_set((int32_t)DAFT_ID_SKY))), inner = vbits_from_mask(same);
-    return (bits){differ & ~inner, differ & inner & ~sky};
+    const vbits differ = apart(a, b, most);
+    if (!differ) return (bits){0, 0, 0};
+    const vbits sky = vbits_from_mask(vi_eq(a->id, vi_set((int32_t)DAFT_ID_SKY))), alike = vbits_from_mask(same);
+    const vbits inner = differ & alike & ~sky;
+    return (bits){differ & ~alike, inner, inner ? inner & apart(a, b, vi_set(HALVES(limit->strong))) : 0};
 }
 
 void DAFT_KERNEL(daft_find_contrast)(const daft_neighbours *n, const daft_contrast *limit, daft_edges *out)
 {
-    bits above = {0, 0}; /* of the row's pixels, those that disagree with the one above them */
+    bits above = {0, 0, 0}; /* of the row's pixels, those that disagree with the one above them */
     for (int y = -1; y < DAFT_TILE; y++) {
-        bits down = {0, 0}, right = {0, 0}, left = {0, 0};
+        bits down = {0, 0, 0}, right = {0, 0, 0}, left = {0, 0, 0};
         for (int x = 0; x < DAFT_TILE; x += DAFT_VL) {
             const pixels here = pixels_at(n, x, y), below = pixels_at(n, x, y + 1);
             bits b = disagree(&here, &below, limit);
-            down.outline |= b.outline << x, down.inner |= b.inner << x;
+            down.outline |= b.outline << x, down.inner |= b.inner << x, down.strong |= b.strong << x;
             if (y < 0) continue;
             const pixels beside = pixels_at(n, x + 1, y);
             b = disagree(&here, &beside, limit);
-            right.outline |= b.outline << x, right.inner |= b.inner << x;
+            right.outline |= b.outline << x, right.inner |= b.inner << x, right.strong |= b.strong << x;
         }
         if (y >= 0) {
             const pixels before = pixels_at(n, -1, y), first = pixels_at(n, 0, y);
             left = disagree(&before, &first, limit);
             out->outline[y] = above.outline | down.outline | right.outline | right.outline << 1 | (left.outline & 1);
             out->inner[y] = above.inner | down.inner | right.inner | right.inner << 1 | (left.inner & 1);
+            out->strong[y] = above.strong | down.strong | right.strong | right.strong << 1 | (left.strong & 1);
         }
         above = down;
     }

@@ -93,9 +93,9 @@ static inline uint32_t daft_pixel_id(uint32_t instance, uint32_t triangle)
 }
 
 /* Pixels of a tile that disagree with one beside, above or below them, bit x of row y: with one that sees another
- * triangle, instance, or the sky; with one that sees the same triangle or sphere. */
+ * triangle, instance, or the sky; with one that sees the same triangle or sphere; and the latter by more. */
 typedef struct daft_edges {
-    uint32_t outline[DAFT_TILE], inner[DAFT_TILE];
+    uint32_t outline[DAFT_TILE], inner[DAFT_TILE], strong[DAFT_TILE];
     bool sky; /* no pixel of the tile sees anything else */
 } daft_edges;
 /* Corners of a tile's pixels, bit x of row y: the upper left one of pixel (x, y) and, where pixels are mixed with their
@@ -113,9 +113,9 @@ typedef struct daft_mixed {
 } daft_mixed;
 
 /* By more than so many steps of a colour's byte, up to 8191: if another instance is seen, another triangle of the same,
- * or the same triangle. */
+ * or the same triangle; strong: above which the latter differs by much, inner or more. */
 typedef struct daft_contrast {
-    int outline, crease, inner;
+    int outline, crease, inner, strong;
 } daft_contrast;
 
 /* Planes of a picture, to be filtered: a float for each pixel, from row to row `stride` of them; sixteen columns on

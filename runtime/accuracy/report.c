@@ -30,8 +30,10 @@ static double smallest_error(const sweep_result *s)
 void report_command(const sweep_result *sweep, const sweep_point *point, char *out, size_t size)
 {
     const bool whole = strcmp(point->knob, "quality") == 0;
-    snprintf(out, size, "--quality %s%s%s --size %dx%d", whole ? point->setting : daft_preset_name(sweep->def.preset),
-             whole ? "" : " --knobs ", whole ? "" : point->setting, sweep->def.width, sweep->def.height);
+    const char *fixed = sweep->def.fixed ? sweep->def.fixed : "", *setting = whole ? "" : point->setting;
+    snprintf(out, size, "--quality %s%s%s%s%s --size %dx%d",
+             whole ? point->setting : daft_preset_name(sweep->def.preset), *fixed || *setting ? " --knobs " : "", fixed,
+             *fixed && *setting ? "," : "", setting, sweep->def.width, sweep->def.height);
 }
 
 void report_floor(const report_def *def, char out[SENTENCE])

@@ -49,6 +49,14 @@ static flip_picture *prepare(const sweep_result *s, const uint8_t *pixels, daft_
     return flip_prepare(pixels, s->def.width, s->def.height, METRICS_PPD, error);
 }
 
+/* What the sweep's user holds fast. */
+static daft_quality fix(const sweep_result *s, daft_quality quality)
+{
+    daft_error ignored;
+    if (s->def.fixed) quality_parse(s->def.fixed, &quality, &ignored);
+    return quality;
+}
+
 /* ---- drawing ----------------------------------------------------------------------------------------------------- */
 
 static daft_view view_of(const sweep_result *s, const daft_quality *quality)
@@ -113,18 +121,21 @@ typedef struct reference_sum {
 } reference_sum;
 
 /* The values of quality reference, by rasterization: the same picture as its camera rays one by one, in a fraction of
- * the time. That it is the same is what the settings `quality reference` and `tree=bvh` show. */
-static daft_quality reference_quality(void)
+ * the time. That it is the same is what the settings `quality reference` and `tree=bvh` show. A picture of many samples
+ * a pixel needs a few rays for each of them where one of 16 needs many: time goes to more samples instead, which serve
+ * edges as well. */
+static daft_quality reference_quality(const sweep_result *s)
 {
     daft_quality quality = daft_preset_quality(DAFT_PRESET_REFERENCE);
     quality.tree = DAFT_TREE_RASTER;
-    return quality;
+    quality.shadow_samples /= 4, quality.occlusion_samples /= 4, quality.glossy_samples /= 4;
+    return fix(s, quality);
 }
 
 /* The mean of factor × factor pixels of 16 samples each, in linear light. */
 static bool add_half(sweep_result *s, int factor, reference_sum *sum, uint8_t *half, daft_error *error)
 {
-    const daft_quality quality = reference_quality();
+    const daft_quality quality = reference_quality(s);
     const daft_view view = view_of(s, &quality);
     daft_image *image = daft_image_create(s->def.engine, s->def.width * factor, s->def.height * factor, error);
     if (!image || !daft_render(s->def.scene, &view, image, error)) {
@@ -165,7 +176,7 @@ static void finish_reference(const sweep_result *s, const reference_sum *sum, ui
  * that there is time for, by what the slower of two pictures of one time as many takes. */
 static bool choose_factor(sweep_result *s, int *factor, daft_error *error)
 {
-    const daft_quality quality = reference_quality();
+    const daft_quality quality = reference_quality(s);
     const daft_view view = view_of(s, &quality);
     double once, again, limit = REFERENCE_SHARE * s->work->seconds;
     if (!draw_once(s, &view, &once, error) || !draw_once(s, &view, &again, error)) return false;
@@ -195,7 +206,7 @@ static bool keep_reference(sweep_result *s, const uint8_t *whole, uint8_t *const
     if (w->shown) memcpy(s->reference, whole, bytes_of(s));
     w->reference = prepare(s, whole, error);
     for (int k = 0; k < 2 && w->reference; k++) w->halves[k] = prepare(s, halves[k], error);
-    const daft_quality quality = reference_quality();
+    const daft_quality quality = reference_quality(s);
     return w->reference && w->halves[0] && w->halves[1] &&
            (!is_game(s) || find_change(s, &quality, w->reference_change, error));
 }
@@ -241,7 +252,7 @@ static sweep_point *add_point(sweep_result *s, const char *name, const char *set
     return p;
 }
 
-static daft_quality preset_of(const sweep_result *s) { return daft_preset_quality(s->def.preset); }
+static daft_quality preset_of(const sweep_result *s) { return fix(s, daft_preset_quality(s->def.preset)); }
 
 /* Pictures by camera rays one by one can take minutes where there is much to hit: the setting is left out then. */
 static bool too_slow(sweep_result *s, double once)
@@ -255,7 +266,7 @@ static void add_qualities(sweep_result *s)
 {
     for (int i = DAFT_PRESET_DRAFT; i <= DAFT_PRESET_REFERENCE; i++) {
         const daft_preset preset = (daft_preset)i;
-        const daft_quality quality = daft_preset_quality(preset);
+        const daft_quality quality = fix(s, daft_preset_quality(preset));
         if (preset == s->def.preset)
             s->preset = s->count;
         else if (s->def.knob)
@@ -275,7 +286,8 @@ static bool add_singles(sweep_result *s, daft_error *error)
             daft_quality quality = preset_of(s);
             if (knob_is_by_rays(knob->settings[i]) && too_slow(s, quality.samples * s->ray_seconds)) continue;
             if (!quality_parse(knob->settings[i], &quality, error)) return false;
-            add_point(s, knob->name, knob->settings[i], &quality);
+            const daft_quality fixed = fix(s, quality);
+            if (quality_equal(&quality, &fixed)) add_point(s, knob->name, knob->settings[i], &quality);
         }
     }
     return true;

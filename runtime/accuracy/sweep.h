@@ -46,6 +46,8 @@ typedef struct sweep_def {
     daft_scene *scene;
     daft_view view; /* of a scene: its camera; the quality is the preset's */
     daft_preset preset;
+    const char *fixed; /* knobs that every picture has so, the reference too, "occlusion_samples=0"; checked; NULL: none
+                        */
     int width, height;
     double seconds;       /* of wall time that all of it may take */
     bool quick;           /* a smaller grid and a smaller reference */

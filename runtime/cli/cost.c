@@ -38,7 +38,7 @@ typedef struct cost_options {
     double budget, at;
     long camera, threads;
     bool quick, sim, no_pictures;
-    const char *knob; /* or NULL */
+    const char *knob, *knobs; /* or NULL */
 } cost_options;
 
 static bool make_folder(const char *path, daft_error *error)
@@ -52,6 +52,7 @@ static void print_command(const cost_options *o, FILE *out)
 {
     fprintf(out, "daft cost %s --budget %g --size %dx%d --quality %s", o->what, o->budget, o->size.width,
             o->size.height, daft_preset_name(o->quality));
+    if (o->knobs) fprintf(out, " --knobs %s", o->knobs);
     if (o->sim) fprintf(out, " --sim");
     if (o->knob) fprintf(out, " --knob %s", o->knob);
     if (o->quick) fprintf(out, " --quick");
@@ -101,7 +102,7 @@ static bool measure(const cost_options *o, const sweep_def *what, daft_error *er
 {
     sweep_result all;
     sweep_def def = *what;
-    def.preset = o->quality;
+    def.preset = o->quality, def.fixed = o->knobs;
     def.width = o->size.width, def.height = o->size.height;
     def.seconds = o->quick ? QUICK_SECONDS : DEFAULT_SECONDS;
     def.quick = o->quick;
@@ -255,6 +256,8 @@ int command_cost(int argc, char **argv)
         {"size", 0, CLI_SIZE, "WxH", &o.size, 16, 1920, "size of the picture (640x360; quick: 320x180)"},
         {"quality", 'q', CLI_QUALITY, "Q", &o.quality, 0, 0,
          "the preset from which knobs differ: draft, game (default), high or reference"},
+        {"knobs", 'k', CLI_KNOBS, "LIST", &o.knobs, 0, 0,
+         "values that every picture has, the reference too: occlusion_samples=0 where the game goes without"},
         {"camera", 0, CLI_COUNT, "N", &o.camera, 0, 1000000, "the N-th camera of the scene, counted from 0 (0)"},
         {"at", 0, CLI_NUMBER, "S", &o.at, 0, 86400, "one second of the game alone (moments of its demo)"},
         {"threads", 't', CLI_COUNT, "N", &o.threads, 0, 64,

@@ -56,15 +56,15 @@ static uint32_t place_in_batch(uint32_t i)
     return (block / blocks * 4 + row) * DAFT_TILE + block % blocks * 4 + i % 4;
 }
 
-void daft_fresh_add(tile_job *j, const daft_pencil *pencil, uint32_t place, uint32_t wanted)
+void daft_fresh_add(tile_job *j, const daft_pencil *pencil, const daft_tile *tile, uint32_t place, uint32_t wanted)
 {
     daft_scratch *s = j->s;
     daft_seen_list *fresh = &s->fresh;
     const uint32_t i = fresh->count++;
-    const int x = s->tile.x + (int)(place % DAFT_TILE_STRIDE), y = s->tile.y + (int)(place / DAFT_TILE_STRIDE);
+    const int x = tile->x + (int)(place % DAFT_TILE_STRIDE), y = tile->y + (int)(place / DAFT_TILE_STRIDE);
     const daft_vec3 ray = daft_pencil_ray(pencil, x, y);
     fresh->x[i] = ray.x, fresh->y[i] = ray.y;
-    fresh->instance[i] = s->tile.instance[place], fresh->triangle[i] = s->tile.triangle[place];
+    fresh->instance[i] = tile->instance[place], fresh->triangle[i] = tile->triangle[place];
     fresh->pixel[i] = place_in_batch(i), s->wanted[fresh->pixel[i]] = wanted;
 }
 

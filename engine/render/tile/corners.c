@@ -51,7 +51,7 @@ static void shade_fresh(tile_job *j, const daft_pencil *pencil, const uint32_t f
     for (int y = 0; y < DAFT_TILE; y++)
         for (uint32_t left = fresh[y]; left; left &= left - 1) {
             const uint32_t place = (uint32_t)(y * DAFT_TILE_STRIDE + __builtin_ctz(left));
-            daft_fresh_add(j, pencil, place, place);
+            daft_fresh_add(j, pencil, &j->s->tile, place, place);
         }
     daft_fresh_shade(j, pencil);
     for (uint32_t i = 0; i < s->fresh.count; i++) {
@@ -76,12 +76,12 @@ void daft_corners_tile(void *context, uint32_t task, uint32_t worker)
     tile_job j = daft_tile_again(frame, index, worker);
     daft_redraw_tile(&j);
     const daft_neighbours around = daft_tile_neighbours(&j);
-    daft_tile_part part = {.scale = 1};
+    daft_tile_part part = {.scale = 1, .shift_x = -0.5f, .shift_y = 0.5f}; /* upper left corners */
     uint32_t fresh[DAFT_TILE], *words = words_of(&j, index);
     if (find_corners(&j, index, &around, part.asked)) {
         const daft_pencil pencil = daft_part_pencil(&frame->pencil, &part);
         j.part = &part;
-        daft_tile_see(&j);
+        daft_tile_see(&j, &j.s->tile);
         j.r->kernels->match_corners(&around, &j.s->tile, part.asked, words, word_stride(frame), fresh);
         shade_fresh(&j, &pencil, fresh, words);
         for (int y = 0; y < DAFT_TILE; y++)

@@ -6,14 +6,14 @@
 #include <math.h>
 #include <string.h>
 
-void daft_tile_see(tile_job *j)
+void daft_tile_see(tile_job *j, daft_tile *out)
 {
     daft_scratch *s = j->s;
     if (j->snapshot->quality.tree != DAFT_TREE_RASTER)
-        daft_reference_tile(&j->r->raster, j->frame->tlas, j->number, j->part, &s->tile);
+        daft_reference_tile(&j->r->raster, j->frame->tlas, j->number, j->part, out);
     else
-        j->r->raster_kernels->tile(&j->r->raster, j->number, j->worker, j->part, &s->tile);
-    uint64_t rays = j->part ? 0 : (uint64_t)(s->tile.width * s->tile.height);
+        j->r->raster_kernels->tile(&j->r->raster, j->number, j->worker, j->part, out);
+    uint64_t rays = j->part ? 0 : (uint64_t)(out->width * out->height);
     for (int y = 0; j->part && y < DAFT_TILE; y++) rays += (uint64_t)__builtin_popcount(j->part->asked[y]);
     s->rays_cast[j->part ? DAFT_EFFECT_ANTIALIASING : DAFT_EFFECT_VISIBILITY] += rays;
     ran(j, DAFT_EFFECT_VISIBILITY);
@@ -273,7 +273,7 @@ void daft_render_tile(void *context, uint32_t index, uint32_t worker)
     daft_redraw_tile(&j);
     if (frame->plan.denoise) daft_denoise_begin(&j);
     if (j.s->gloss) j.s->gloss->some = j.s->gloss->asks = false;
-    daft_tile_see(&j);
+    daft_tile_see(&j, &j.s->tile);
     daft_tile_surfaces(&j, &frame->pencil, NULL);
     if (frame->sample == 0) daft_tile_aov(&j);
     daft_cost_see(&j);

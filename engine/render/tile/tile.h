@@ -36,7 +36,7 @@ static inline void ran(tile_job *j, daft_effect_kind effect)
 
 /* tile.c: what the pixels see; their points, or those of a list, by rays of the pencil; and their light, in j->color.
  */
-void daft_tile_see(tile_job *j);
+void daft_tile_see(tile_job *j, daft_tile *out);
 void daft_tile_surfaces(tile_job *j, const daft_pencil *pencil, const daft_seen_list *list);
 void daft_tile_shade(tile_job *j);
 /* Tells the user how far the picture is, and whether to go on. */
@@ -119,7 +119,7 @@ void daft_tile_fill_plain(tile_job *j);
  * at s->fresh.pixel. */
 tile_job daft_tile_again(daft_frame *frame, uint32_t index, uint32_t worker);
 daft_neighbours daft_tile_neighbours(const tile_job *j);
-void daft_fresh_add(tile_job *j, const daft_pencil *pencil, uint32_t place, uint32_t wanted);
+void daft_fresh_add(tile_job *j, const daft_pencil *pencil, const daft_tile *tile, uint32_t place, uint32_t wanted);
 void daft_fresh_shade(tile_job *j, const daft_pencil *pencil);
 /* aov.c: what the caller asked for beside the picture's bytes: of the first sample what is seen and, once textures are
  * read, its own colour; the light of each sample. */

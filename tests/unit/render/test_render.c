@@ -108,7 +108,7 @@ static void same_bytes_however_computed(void **unused)
     (void)unused;
     const char *scenes[] = {"assets/scenes/hello.scene", "assets/scenes/temple.scene", "assets/scenes/islands.scene",
                             "assets/scenes/glass.scene", "assets/scenes/forest.scene", "assets/scenes/hall.scene",
-                            "assets/scenes/town.scene", "assets/scenes/gallery.scene"};
+                            "assets/scenes/town.scene",  "assets/scenes/gallery.scene"};
     for (size_t i = 0; i < sizeof scenes / sizeof scenes[0]; i++) {
         uint64_t expected = 0;
         /* What a mirrored camera sees may be another triangle than a reflected ray's, where both round at an edge: see

@@ -322,6 +322,16 @@ static void time_decides_how_much_is_measured(void **unused)
     assert_true(sweep_run(&all, &def, &error));
     assert_int_equal(all.count, 1 + knob_count(def.knob));
     sweep_free(&all);
+    /* What is held fast is so in all pictures, and not swept. */
+    def.knob = NULL, def.fixed = "shadows=off,samples=1,edge_samples=0";
+    assert_true(sweep_run(&all, &def, &error));
+    for (size_t i = 0; i < all.count; i++) {
+        const sweep_point *p = &all.points[i];
+        assert_true(!p->quality.shadows && p->quality.samples == 1 && p->quality.edge_samples == 0);
+        assert_null(strstr(p->setting, "shadows=on"));
+        assert_true(strcmp(p->knob, "antialiasing") != 0 || strcmp(p->setting, "samples=1,edge_samples=0") == 0);
+    }
+    sweep_free(&all);
     daft_scene_destroy(scene);
     daft_engine_destroy(engine);
 }
