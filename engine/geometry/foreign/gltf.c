@@ -80,18 +80,16 @@ static void match_nodes(daft_gltf *g, const daft_foreign_nodes *nodes, daft_json
     }
 }
 
-bool daft_gltf_open(const daft_foreign *from, const daft_foreign_nodes *nodes, daft_gltf *g)
+bool daft_gltf_begin(const daft_foreign *from, daft_gltf *g)
 {
-    *g = (daft_gltf){.from = from, .node_count = nodes->count};
+    *g = (daft_gltf){.from = from};
     daft_arena_init(&g->arena, from->allocator);
-    if (strcmp(from->format, "glb") == 0)
+    if (from->format && strcmp(from->format, "glb") == 0)
         find_chunks(g);
-    else if (strcmp(from->format, "gltf") == 0)
+    else if (from->format && strcmp(from->format, "gltf") == 0)
         g->root = daft_json_open(from->bytes, from->size);
     if (!g->root.at) return true;
-    g->node_of = daft_arena_alloc(&g->arena, nodes->count, sizeof *g->node_of);
-    daft_json *next = daft_arena_alloc(&g->arena, nodes->count, sizeof *next);
-    bool done = g->node_of && next && list_items(g, daft_json_member(g->root, "nodes"), &g->nodes) &&
+    bool done = list_items(g, daft_json_member(g->root, "nodes"), &g->nodes) &&
                 list_items(g, daft_json_member(g->root, "animations"), &g->clips) &&
                 list_items(g, daft_json_member(g->root, "accessors"), &g->accessors) &&
                 list_items(g, daft_json_member(g->root, "bufferViews"), &g->views) &&
@@ -103,6 +101,17 @@ bool daft_gltf_open(const daft_foreign *from, const daft_foreign_nodes *nodes, d
     if (!g->bytes || !g->numbers) return daft_fail_memory(from->error, "a glTF file");
     memset(g->bytes, 0, g->buffers.count * sizeof *g->bytes);
     memset(g->numbers, 0, g->accessors.count * sizeof *g->numbers);
+    return true;
+}
+
+bool daft_gltf_open(const daft_foreign *from, const daft_foreign_nodes *nodes, daft_gltf *g)
+{
+    if (!daft_gltf_begin(from, g)) return false;
+    g->node_count = nodes->count;
+    if (!g->root.at) return true;
+    g->node_of = daft_arena_alloc(&g->arena, nodes->count, sizeof *g->node_of);
+    daft_json *next = daft_arena_alloc(&g->arena, nodes->count, sizeof *next);
+    if (!g->node_of || !next) return daft_fail_memory(from->error, "a glTF file");
     for (uint32_t i = 0; i < nodes->count; i++) g->node_of[i] = UINT32_MAX;
     match_nodes(g, nodes, next);
     return true;
@@ -225,7 +234,7 @@ static size_t width_of(daft_json accessor)
     static const struct {
         const char *type;
         size_t width;
-    } known[] = {{"SCALAR", 1}, {"VEC3", 3}, {"VEC4", 4}};
+    } known[] = {{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}};
     for (size_t i = 0; i < DAFT_COUNT_OF(known); i++)
         if (daft_json_is(daft_json_member(accessor, "type"), known[i].type)) return known[i].width;
     return 0;
@@ -239,25 +248,46 @@ static uint64_t size_at(daft_json owner, const char *name, double other)
     return number >= 0 && number < 0x1p53 ? (uint64_t)number : (uint64_t)1 << 53;
 }
 
-/* NULL: see daft_gltf_floats. */
-static float *read_floats(daft_gltf *g, daft_json accessor, size_t *count)
+static size_t bytes_of(uint32_t type)
 {
-    enum { FLOAT = 5126 };
-    const daft_json view = item_at(&g->views, daft_json_member(accessor, "bufferView"));
-    const size_t width = width_of(accessor), size = width * sizeof(float);
-    if (!view.at || !width || daft_json_index(daft_json_member(accessor, "componentType")) != FLOAT ||
-        daft_json_member(accessor, "sparse").at || daft_json_member(view, "extensions").at)
-        return NULL;
+    static const uint8_t BYTES[] = {1, 1, 2, 2, 0, 4, 4};
+    return type >= 5120 && type < 5120 + sizeof BYTES ? BYTES[type - 5120] : 0;
+}
+
+bool daft_gltf_locate(daft_gltf *g, daft_json accessor, daft_gltf_packed *out)
+{
+    const daft_json view = item_at(&g->views, daft_json_member(accessor, "bufferView")),
+                    normalized = daft_json_member(accessor, "normalized");
+    const uint32_t type = daft_json_index(daft_json_member(accessor, "componentType"));
+    const size_t width = width_of(accessor), size = width * bytes_of(type);
+    if (!view.at || !size || daft_json_member(accessor, "sparse").at || daft_json_member(view, "extensions").at)
+        return false;
     const struct daft_gltf_bytes *buffer = buffer_at(g, daft_json_index(daft_json_member(view, "buffer")));
     const uint64_t items = size_at(accessor, "count", 0), stride = size_at(view, "byteStride", (double)size),
                    first = size_at(view, "byteOffset", 0) + size_at(accessor, "byteOffset", 0);
     if (!buffer || !buffer->at || items == 0 || items > buffer->size || stride > buffer->size || stride < size ||
         first > buffer->size || (items - 1) * stride + size > buffer->size - first)
-        return NULL;
-    float *out = daft_arena_alloc(&g->arena, (size_t)items * width, sizeof *out);
+        return false;
+    *out = (daft_gltf_packed){.first = buffer->at + first,
+                              .items = (size_t)items,
+                              .stride = (size_t)stride,
+                              .width = width,
+                              .type = type,
+                              .normalized = normalized.at && *normalized.at == 't'};
+    return true;
+}
+
+/* NULL: see daft_gltf_floats. */
+static float *read_floats(daft_gltf *g, daft_json accessor, size_t *count)
+{
+    enum { FLOAT = 5126 };
+    daft_gltf_packed p;
+    if (!daft_gltf_locate(g, accessor, &p) || p.type != FLOAT) return NULL;
+    float *out = daft_arena_alloc(&g->arena, p.items * p.width, sizeof *out);
     g->out_of_memory |= !out;
-    for (size_t i = 0; out && i < items; i++) memcpy(out + i * width, buffer->at + first + i * stride, size);
-    *count = (size_t)items * width;
+    for (size_t i = 0; out && i < p.items; i++)
+        memcpy(out + i * p.width, p.first + i * p.stride, p.width * sizeof *out);
+    *count = p.items * p.width;
     return out;
 }
 

@@ -1,5 +1,6 @@
 /* gltf: what Assimp 5.2 does not say of a glTF file, from its JSON: how keys of clips are interpolated, with the
- * tangents of cubic splines; lights, of which it keeps one node each; cameras. Of other formats there is nothing. */
+ * tangents of cubic splines; lights, of which it keeps one node each; cameras; numbers that are packed. Of other
+ * formats there is nothing. */
 #ifndef DAFT_FOREIGN_GLTF_H
 #define DAFT_FOREIGN_GLTF_H
 
@@ -34,6 +35,22 @@ typedef struct daft_gltf {
     } * numbers; /* of each accessor */
     bool out_of_memory;
 } daft_gltf;
+
+/* The numbers of an accessor, as they lie in the file. */
+typedef struct daft_gltf_packed {
+    const uint8_t *first;
+    size_t items, stride, width; /* width: numbers of an item */
+    uint32_t type;               /* of these: GL's constants, 5120 to 5126 */
+    bool normalized;             /* whole numbers stand for -1 to 1, or 0 to 1 */
+} daft_gltf_packed;
+
+/* The text and its arrays alone, without the model's nodes. Call daft_gltf_close in any case. False: memory is out. */
+bool daft_gltf_begin(const struct daft_foreign *from, daft_gltf *out);
+/* False: there are none, or they are packed in some way that is not read here (sparse, compressed, of matrices). */
+bool daft_gltf_locate(daft_gltf *gltf, daft_json accessor, daft_gltf_packed *out);
+/* widen.c: a copy of the file in which everything that Assimp 5.2 takes for floats is floats. NULL: it is so already.
+ * The caller releases it by the file's allocator. False: the text is no JSON, or memory is out. */
+bool daft_gltf_widen(const struct daft_foreign *from, char **out, size_t *size);
 
 /* Call daft_gltf_close in any case. False: memory is out. */
 bool daft_gltf_open(const struct daft_foreign *from, const struct daft_foreign_nodes *nodes, daft_gltf *out);

@@ -160,6 +160,10 @@ bool daft_foreign_parse(const daft_allocator *allocator, const daft_files *files
     const char *format = daft_foreign_format(path, bytes, size), *dot = strrchr(path, '.');
     const bool told = dot && format && strcasecmp(dot + 1, format) == 0;
     snprintf(name, sizeof name, "%.1000s%s%s", path, told || !format ? "" : ".", told || !format ? "" : format);
+    char *widened;
+    const daft_foreign raw = {allocator, files, path, log, &assimp, NULL, error, format, bytes, size};
+    if (!daft_gltf_widen(&raw, &widened, &size)) return false;
+    if (widened) bytes = widened;
     source from = {allocator, files, name, bytes, size};
     struct aiFileIO io = {open_file, close_file, (char *)&from};
     const struct aiScene *scene = assimp.import(name, steps, &io, NULL);
@@ -175,5 +179,6 @@ bool daft_foreign_parse(const daft_allocator *allocator, const daft_files *files
         daft_fail_at(error, DAFT_ERROR_SYNTAX, path, 0, 0, "%s", why[0] ? why : "there is nothing in this file");
     }
     if (scene) assimp.release(scene);
+    daft_release(allocator, widened);
     return good;
 }

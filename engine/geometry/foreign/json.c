@@ -40,6 +40,8 @@ daft_json daft_json_open(const char *text, size_t size)
     return (daft_json){skip_space(text, text + size), text + size};
 }
 
+const char *daft_json_behind(daft_json value) { return value.at ? skip_value(value.at, value.end) : value.end; }
+
 static bool begins_with(daft_json value, char c) { return value.at && value.at < value.end && *value.at == c; }
 
 daft_json daft_json_member(daft_json object, const char *name)

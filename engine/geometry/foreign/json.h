@@ -1,6 +1,5 @@
-/* json: values of a JSON text by where they begin, for what Assimp leaves out of a glTF file. Nothing is copied. The
- * text has been parsed by Assimp; what is no JSON all the same has no members, and nothing beyond the text's end is
- * read. */
+/* json: values of a JSON text by where they begin, for what Assimp leaves out of a glTF file. Nothing is copied. What
+ * is no JSON has no members, and nothing beyond the text's end is read. */
 #ifndef DAFT_FOREIGN_JSON_H
 #define DAFT_FOREIGN_JSON_H
 
@@ -12,6 +11,8 @@ typedef struct daft_json {
 
 daft_json daft_json_open(const char *text, size_t size);
 daft_json daft_json_member(daft_json object, const char *name);
+/* Behind its last character; the text's end for what is none. */
+const char *daft_json_behind(daft_json value);
 /* The first item of an array, and the one after an item. */
 daft_json daft_json_first(daft_json array);
 daft_json daft_json_next(daft_json item);
