@@ -167,6 +167,11 @@ local function materials()
     e:material(m)
     e:material("checker")
     expect_error("there is no texture 'cheker': did you mean 'checker'?", e.material, e, "cheker")
+    for _, use in ipairs { "ambient", "specular", "emission", "shininess", "roughness", "metallic", "normal", "bump", "alpha",
+        "reflection" } do
+        e:material { [use .. "_texture"] = "checker" }
+        expect_error("there is no texture 'cheker'", e.material, e, { [use .. "_texture"] = "cheker" })
+    end
     expect_error("mirror is 2; it must be between 0 and 1", daft.material, { mirror = 2 })
     expect_error("transmission is 2; it must be between 0 and 1", daft.material, { transmission = 2 })
     expect_error("refractive_index is 0; it must be between 0.001 and 10", daft.material, { refractive_index = 0 })
