@@ -15,14 +15,15 @@
 /* Triangle indices into the three attribute arrays are kept apart, so that a seam in the uvs is no seam in the surface.
  * Vertices: x, y, z arrays, each padded with zeros to a multiple of 16 so that kernels may read whole lanes. */
 typedef struct daft_trimesh {
-    uint32_t vertex_count, triangle_count, normal_count, uv_count, slot_count;
+    uint32_t vertex_count, triangle_count, normal_count, uv_count, color_count, slot_count;
     float *x, *y, *z;
     uint32_t *indices;        /* 3·triangle_count, into x, y, z */
     daft_vec3 *normals;       /* unit length */
     uint32_t *normal_indices; /* 3·triangle_count; NULL: same as indices */
     daft_vec2 *uvs;           /* NULL: no texture coordinates (then uv_count is 0) */
     uint32_t *uv_indices;     /* 3·triangle_count, DAFT_NO_UV for a corner without; NULL: same as indices */
-    daft_vec3 *colors;        /* of each vertex, linear, 0..1; NULL: none */
+    daft_vec3 *colors;        /* color_count, linear, 0..1; NULL: none */
+    uint32_t *color_indices;  /* 3·triangle_count; NULL: same as indices */
     uint16_t *slots;          /* a triangle's material slot; NULL: all 0 */
     uint32_t left_out;        /* triangles of the source that are not here */
     daft_vec3 low, high;      /* bounds; low > high when there is no triangle */

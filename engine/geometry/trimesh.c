@@ -1,6 +1,7 @@
 /* Meshes from arrays and boxes; what all meshes need. */
 #include "geometry/trimesh.h"
 #include "math/simd/ops.h"
+#include "math/trig.h"
 
 #include <string.h>
 
@@ -18,6 +19,7 @@ void daft_trimesh_free(const daft_allocator *allocator, daft_trimesh *mesh)
     daft_release(allocator, mesh->uv_indices);
     daft_release(allocator, mesh->slots);
     daft_release(allocator, mesh->colors);
+    daft_release(allocator, mesh->color_indices);
     *mesh = (daft_trimesh){0};
 }
 
@@ -28,9 +30,9 @@ size_t daft_trimesh_bytes(const daft_trimesh *mesh)
     size_t corners = 3 * (size_t)mesh->triangle_count, lists = 1;
     lists += mesh->normal_indices != NULL;
     lists += mesh->uv_indices != NULL;
+    lists += mesh->color_indices != NULL;
     size_t bytes = 3 * padded(mesh->vertex_count) * sizeof(float) + lists * corners * sizeof(uint32_t);
-    bytes += mesh->normal_count * sizeof(daft_vec3) + mesh->uv_count * sizeof(daft_vec2);
-    if (mesh->colors) bytes += mesh->vertex_count * sizeof(daft_vec3);
+    bytes += ((size_t)mesh->normal_count + mesh->color_count) * sizeof(daft_vec3) + mesh->uv_count * sizeof(daft_vec2);
     return bytes + (mesh->slots ? mesh->triangle_count * sizeof(uint16_t) : 0);
 }
 
@@ -56,7 +58,8 @@ bool daft_trimesh_copy(const daft_allocator *allocator, const daft_trimesh *mesh
     copy.normal_indices = copy_of(allocator, mesh->normal_indices, corners, sizeof *mesh->normal_indices, &done);
     copy.uvs = copy_of(allocator, mesh->uvs, mesh->uv_count, sizeof *mesh->uvs, &done);
     copy.uv_indices = copy_of(allocator, mesh->uv_indices, corners, sizeof *mesh->uv_indices, &done);
-    copy.colors = copy_of(allocator, mesh->colors, mesh->vertex_count, sizeof *mesh->colors, &done);
+    copy.colors = copy_of(allocator, mesh->colors, mesh->color_count, sizeof *mesh->colors, &done);
+    copy.color_indices = copy_of(allocator, mesh->color_indices, corners, sizeof *mesh->color_indices, &done);
     copy.slots = copy_of(allocator, mesh->slots, mesh->triangle_count, sizeof *mesh->slots, &done);
     if (done)
         *out = copy;
@@ -256,11 +259,19 @@ static bool copy_uvs(const daft_allocator *allocator, const daft_mesh_def *def, 
     return true;
 }
 
+float daft_trimesh_color(double encoded)
+{
+    if (!(encoded > 0)) return 0; /* nor is a NaN */
+    if (encoded >= 1) return 1;
+    return (float)(encoded <= 0.04045 ? encoded / 12.92 : daft_pow((encoded + 0.055) / 1.055, 2.4));
+}
+
 static bool copy_colors(const daft_allocator *allocator, const daft_mesh_def *def, daft_trimesh *mesh,
                         daft_error *error)
 {
     mesh->colors = daft_alloc(allocator, def->vertex_count, sizeof(daft_vec3));
     if (!mesh->colors) return daft_fail_memory(error, "a mesh's colours");
+    mesh->color_count = def->vertex_count;
     for (uint32_t i = 0; i < def->vertex_count; i++) {
         const daft_vec3 c = def->colors[i];
         mesh->colors[i] =

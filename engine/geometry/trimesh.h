@@ -19,6 +19,9 @@ daft_vec3 daft_trimesh_face_normal(const daft_trimesh *mesh, uint32_t triangle);
 bool daft_trimesh_smooth_groups(const daft_allocator *allocator, daft_trimesh *mesh, float crease,
                                 const uint32_t *groups, daft_error *error);
 
+/* The linear value, 0..1, of a vertex's colour in sRGB (IEC 61966-2-1), as pictures are. */
+float daft_trimesh_color(double encoded);
+
 static inline daft_vec3 daft_trimesh_position(const daft_trimesh *mesh, uint32_t vertex)
 {
     return daft_v3(mesh->x[vertex], mesh->y[vertex], mesh->z[vertex]);

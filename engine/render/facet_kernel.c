@@ -302,8 +302,9 @@ static uint32_t color_word(float linear)
 
 static void set_colors(const daft_trimesh *mesh, uint32_t triangle, float row[DAFT_FACET_FLOATS])
 {
+    const uint32_t *corner = &(mesh->color_indices ? mesh->color_indices : mesh->indices)[3 * (size_t)triangle];
     for (int k = 0; k < 3; k++) {
-        const daft_vec3 c = mesh->colors[mesh->indices[3 * (size_t)triangle + (size_t)k]];
+        const daft_vec3 c = mesh->colors[corner[k]];
         const uint32_t word = color_word(c.x) | color_word(c.y) << 10 | color_word(c.z) << 20;
         memcpy(&row[FACET_COLOR + k], &word, sizeof word);
     }

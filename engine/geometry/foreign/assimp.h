@@ -16,6 +16,8 @@
 #include <assimp/scene.h>
 #include <assimp/texture.h>
 
+#include <string.h>
+
 /* Names as in the library. */
 typedef struct daft_assimp {
     void *library;
@@ -40,6 +42,11 @@ typedef struct daft_foreign {
     const void *bytes;  /* of the file */
     size_t size;
 } daft_foreign;
+
+static inline bool daft_foreign_is_gltf(const daft_foreign *from)
+{
+    return strcmp(from->format, "gltf") == 0 || strcmp(from->format, "glb") == 0;
+}
 
 /* ---- the hierarchy: nodes.c ---- */
 
@@ -84,8 +91,9 @@ typedef struct daft_flattener {
     uint32_t count;
     uint32_t *number; /* of each of these its number afterwards */
     bool bare;        /* some mesh has no normals */
-    double *blended;  /* 12 for each vertex of a skin */
-    daft_rig *rig; /* NULL: no clip moves anything, and vertices are where they are at rest; else in their own axes */
+    bool linear_colors;
+    double *blended; /* 12 for each vertex of a skin */
+    daft_rig *rig;   /* NULL: no clip moves anything, and vertices are where they are at rest; else in their own axes */
     size_t joint_capacity, target_capacity;
     daft_foreign_binding *bindings; /* of each vertex, before */
     uint32_t bad_weights;

@@ -49,6 +49,15 @@ static bool blend(flattener *f, const struct aiMesh *mesh)
 
 /* ---- vertices and triangles ---- */
 
+/* glTF's are linear; other formats do not say, and their exporters write what their pickers show. */
+static daft_vec3 color_of(const flattener *f, const struct aiColor4D *c)
+{
+    if (!isfinite(c->r) || !isfinite(c->g) || !isfinite(c->b)) return daft_v3(1, 1, 1);
+    if (f->linear_colors) return daft_min3(daft_max3(daft_v3(c->r, c->g, c->b), daft_v3(0, 0, 0)), daft_v3(1, 1, 1));
+    return daft_v3(daft_trimesh_color((double)c->r), daft_trimesh_color((double)c->g),
+                   daft_trimesh_color((double)c->b));
+}
+
 static void put_vertices(flattener *f, const struct aiMesh *mesh, const double place[12])
 {
     static const double AS_IT_IS[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
@@ -68,6 +77,8 @@ static void put_vertices(flattener *f, const struct aiMesh *mesh, const double p
             isfinite(length) && length > 0 ? daft_to_float(daft_dscale(n, 1 / length)) : daft_v3(0, 1, 0);
         const struct aiVector3D uv = mesh->mTextureCoords[0] ? mesh->mTextureCoords[0][i] : (struct aiVector3D){0};
         f->mesh.uvs[at] = isfinite(uv.x) && isfinite(uv.y) ? (daft_vec2){uv.x, uv.y} : (daft_vec2){0, 0};
+        if (f->mesh.colors)
+            f->mesh.colors[at] = mesh->mColors[0] ? color_of(f, &mesh->mColors[0][i]) : daft_v3(1, 1, 1);
     }
 }
 
@@ -106,15 +117,26 @@ static bool put_meshes(flattener *f)
     return true;
 }
 
+static bool reserve_colors(flattener *f, size_t vertices, size_t triangles)
+{
+    daft_trimesh *m = &f->mesh;
+    m->color_count = (uint32_t)vertices;
+    m->colors = daft_alloc(f->from->allocator, vertices, sizeof *m->colors);
+    m->color_indices = daft_alloc(f->from->allocator, triangles, 3 * sizeof *m->color_indices);
+    return (m->colors && m->color_indices) || daft_fail_memory(f->from->error, "a model's colours");
+}
+
 static bool reserve(flattener *f)
 {
     const daft_allocator *allocator = f->from->allocator;
     const struct aiScene *scene = f->from->scene;
     uint64_t vertices = 0, triangles = 0;
+    bool colored = false;
     for (uint32_t i = 0; i < f->nodes.count; i++)
         for (uint32_t k = 0; k < f->nodes.items[i].node->mNumMeshes; k++) {
             const struct aiMesh *mesh = scene->mMeshes[f->nodes.items[i].node->mMeshes[k]];
             vertices += mesh->mNumVertices, triangles += mesh->mNumFaces;
+            colored |= mesh->mColors[0] != NULL;
         }
     if (vertices > MOST_VERTICES || triangles > MOST_VERTICES || scene->mNumMaterials > MOST_SLOTS)
         return daft_fail_at(f->from->error, DAFT_ERROR_UNSUPPORTED, f->from->path, 0, 0,
@@ -131,6 +153,7 @@ static bool reserve(flattener *f)
     m->normal_indices = daft_alloc(allocator, t, 3 * sizeof *m->normal_indices);
     m->uv_indices = daft_alloc(allocator, t, 3 * sizeof *m->uv_indices);
     m->slots = daft_alloc(allocator, t, sizeof *m->slots);
+    if (colored && !reserve_colors(f, v, t)) return false;
     if (f->rig) f->bindings = daft_alloc_zero(allocator, v, sizeof *f->bindings);
     return (f->positions && (f->bindings || !f->rig) && m->normals && m->uvs && m->indices && m->normal_indices &&
             m->uv_indices && m->slots) ||
@@ -186,6 +209,7 @@ static void number_triangles(flattener *f)
         const size_t to = 3 * (size_t)triangles;
         for (size_t k = 0; k < 3; k++) {
             m->normal_indices[to + k] = m->uv_indices[to + k] = corner[k];
+            if (m->colors) m->color_indices[to + k] = corner[k];
             m->indices[to + k] = f->number[corner[k]];
         }
         m->slots[triangles++] = m->slots[t];
@@ -212,6 +236,16 @@ static bool weld(flattener *f)
     return good;
 }
 
+/* White says nothing, and costs nothing. */
+static void drop_white(flattener *f)
+{
+    daft_trimesh *m = &f->mesh;
+    for (uint32_t i = 0; m->colors && i < f->count; i++)
+        if (m->colors[i].x < 1 || m->colors[i].y < 1 || m->colors[i].z < 1) return;
+    daft_release(f->from->allocator, m->colors), daft_release(f->from->allocator, m->color_indices);
+    m->colors = NULL, m->color_indices = NULL, m->color_count = 0;
+}
+
 /* Normals of our own, for all: smooth across edges flatter than 40 degrees. */
 static bool make_normals(flattener *f)
 {
@@ -226,10 +260,11 @@ static bool make_normals(flattener *f)
 
 bool daft_foreign_mesh(const daft_foreign *from, daft_obj *out)
 {
-    flattener f = {.from = from};
+    flattener f = {.from = from, .linear_colors = daft_foreign_is_gltf(from)};
     bool good = daft_foreign_nodes_list(from, &f.nodes) && daft_gltf_open(from, &f.nodes, &f.gltf) &&
                 daft_foreign_rig_begin(&f) && reserve(&f) && put_meshes(&f) && weld(&f) && make_normals(&f) &&
                 (!f.rig || daft_foreign_rig_end(&f)) && daft_foreign_scenery(&f, out);
+    if (good) drop_white(&f);
     daft_gltf_close(&f.gltf);
     daft_foreign_nodes_free(from, &f.nodes);
     daft_release(from->allocator, f.positions), daft_release(from->allocator, f.number);

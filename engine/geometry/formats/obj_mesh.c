@@ -240,6 +240,7 @@ static bool take_colors(builder *b)
         return daft_fail_memory(b->error, "a mesh's colours");
     while (s->color_count < s->position_count) s->colors[s->color_count++] = daft_v3(1, 1, 1);
     b->mesh->colors = take(s, &s->colors, s->color_room, s->position_count, sizeof *s->colors);
+    b->mesh->color_count = (uint32_t)s->position_count;
     return true;
 }
 

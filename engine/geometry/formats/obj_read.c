@@ -1,9 +1,7 @@
 /* The statements of an OBJ file, read once from front to back into growing arrays. Sizes come from what has been read,
  * never from a number in the file. The rules are in obj.c. */
 #include "geometry/formats/obj.h"
-
-#include "math/trig.h"
-
+#include "geometry/trimesh.h"
 typedef struct reader {
     daft_obj_source *source;
     daft_error *error;
@@ -101,14 +99,6 @@ static bool fill_colors(const reader *r, size_t count)
     return true;
 }
 
-/* Of sRGB (IEC 61966-2-1), as pictures are. */
-static float color_of(double encoded)
-{
-    if (!(encoded > 0)) return 0; /* nor is a NaN */
-    if (encoded >= 1) return 1;
-    return (float)(encoded <= 0.04045 ? encoded / 12.92 : daft_pow((encoded + 0.055) / 1.055, 2.4));
-}
-
 /* A weight (4 numbers), which is not used, or a colour (6 or, with an alpha that is not used, 7). */
 static bool read_position_rest(reader *r, const char *start, const char **cursor)
 {
@@ -120,7 +110,8 @@ static bool read_position_rest(reader *r, const char *start, const char **cursor
         daft_text_warn(&r->source->text, start, "'v' has %d numbers, of which the first 3 are used", 3 + count);
     if (count != 3 && count != 4) return true;
     if (!fill_colors(r, r->source->position_count + 1)) return false;
-    r->source->colors[r->source->position_count] = daft_v3(color_of(more[0]), color_of(more[1]), color_of(more[2]));
+    r->source->colors[r->source->position_count] =
+        daft_v3(daft_trimesh_color(more[0]), daft_trimesh_color(more[1]), daft_trimesh_color(more[2]));
     return true;
 }
 

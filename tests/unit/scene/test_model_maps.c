@@ -1,6 +1,6 @@
 /* Maps of model files as they are drawn: what lies beyond a texture's edges, holes where alpha is below glTF's cutoff,
- * roughness, metal and emission from images, and materials of OBJ files from the asset roots. Each picture is compared
- * with what is drawn without a map, or with the texel that a formula names. */
+ * roughness, metal and emission from images, colours of vertices, and materials of OBJ files from the asset
+ * roots. Each picture is compared with what is drawn without a map, or with the texel that a formula names. */
 #include "scene_fixture.h"
 
 #include <stdlib.h>
@@ -144,22 +144,38 @@ static void put_square(void)
     put("square.bin", bytes, sizeof bytes);
 }
 
-/* The picture of a square of this material under a sun and a blue sky. */
-static void draw_square(fixture *f, const char *material, uint8_t *out)
+/* A new scene with the model alone. Skips where this build or system has no Assimp. */
+static daft_mesh load_alone(fixture *f, const char *name, const char *text)
 {
-    static int count;
-    char text[4000], name[32];
     daft_error error;
     daft_scene_destroy(f->scene);
     f->scene = daft_scene_create(f->engine, NULL);
-    snprintf(text, sizeof text, SQUARE, material), snprintf(name, sizeof name, "square%d.gltf", count++);
     const daft_mesh mesh = daft_mesh_load(f->scene, put_text(name, text), &error);
     if (!mesh.id && error.code == DAFT_ERROR_UNSUPPORTED) skip();
     if (!mesh.id) fail_msg("%s", error.message);
-    show(f->scene, mesh, (daft_material){0});
+    return mesh;
+}
+
+static daft_mesh load_square(fixture *f, const char *material)
+{
+    static int count;
+    char text[4000], name[32];
+    snprintf(text, sizeof text, SQUARE, material), snprintf(name, sizeof name, "square%d.gltf", count++);
+    return load_alone(f, name, text);
+}
+
+static void add_sun(fixture *f)
+{
     daft_light_def sun = daft_default_light_def();
     sun.kind = DAFT_LIGHT_SUN, sun.direction = daft_v3(0.3f, -0.2f, -1), sun.color = daft_v3(0.6f, 0.5f, 0.4f);
     assert_true(daft_light_create(f->scene, &sun, NULL).id != 0);
+}
+
+/* The picture of a square of this material under a sun and a blue sky. */
+static void draw_square(fixture *f, const char *material, uint8_t *out)
+{
+    show(f->scene, load_square(f, material), (daft_material){0});
+    add_sun(f);
     daft_scene_set_sky_color(f->scene, daft_v3(0.1f, 0.3f, 0.8f));
     draw(f, DAFT_TEXTURE_NEAREST, 0, out);
     assert_int_equal(f->warnings, 0);
@@ -230,6 +246,172 @@ static void emission_comes_from_its_image(void **state)
     draw_square(f, DULL, left);
     draw_square(f, "\"emissiveFactor\":[0,0.5,0.25]," DULL, right);
     compare_halves(seen, left, right);
+}
+
+static double linear_of(double byte)
+{
+    const double c = byte / 255;
+    return c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4);
+}
+
+static double byte_of(double linear)
+{
+    const double c = fmin(linear, 1);
+    return 255 * (c <= 0.0031308 ? 12.92 * c : 1.055 * pow(c, 1 / 2.4) - 0.055);
+}
+
+static void compare_pixel(const uint8_t *seen, int x, int y, const double linear[3], double most)
+{
+    const uint8_t *got = seen + 4 * (y * SIDE + x);
+    for (int k = 0; k < 3; k++)
+        if (fabs(got[k] - byte_of(linear[k])) > most)
+            fail_msg("pixel %d, %d, channel %d: %d, not %.2f", x, y, k, got[k], byte_of(linear[k]));
+}
+
+/* ---- colours of vertices ---- */
+
+enum { QUADS = 2, CORNERS = 4 * QUADS };
+
+/* Two squares side by side, whose colours do not meet: at the left the one from -1 to 0. */
+static const char *const TWO_SQUARES =
+    "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],"
+    "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1%s},\"indices\":2,\"material\":0}]}],"
+    "\"materials\":[{\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"baseColorFactor\":[%s,1]}}],"
+    "\"buffers\":[{\"byteLength\":344,\"uri\":\"squares.bin\"}],\"bufferViews\":["
+    "{\"buffer\":0,\"byteLength\":96},{\"buffer\":0,\"byteOffset\":96,\"byteLength\":96},"
+    "{\"buffer\":0,\"byteOffset\":192,\"byteLength\":24},"
+    "{\"buffer\":0,\"byteOffset\":216,\"byteLength\":128,\"byteStride\":%zu}],"
+    "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":8,\"min\":[-1,-1,0],"
+    "\"max\":[1,1,0]},{\"bufferView\":1,\"componentType\":5126,\"type\":\"VEC3\",\"count\":8},"
+    "{\"bufferView\":2,\"componentType\":5123,\"type\":\"SCALAR\",\"count\":12},"
+    "{\"bufferView\":3,\"componentType\":%d,\"type\":\"%s\",\"count\":8%s}]}";
+
+/* By square, at its lower and its upper edge; linear, and of a whole number of 255ths. */
+static const int COLORS[QUADS][2][3] = {{{51, 0, 0}, {255, 0, 0}}, {{0, 51, 204}, {0, 255, 102}}};
+static const float SQUARE_X[2] = {0, 1}, SQUARE_Y[4] = {-1, -1, 1, 1};
+
+static bool is_right(int corner) { return corner % 4 == 1 || corner % 4 == 2; }
+static bool is_upper(int corner) { return corner % 4 >= 2; }
+
+typedef struct color_format {
+    int component; /* glTF's number of it */
+    const char *type;
+    size_t size; /* of one color, with what follows up to the next */
+} color_format;
+
+static void put_color(const color_format *format, const int color[3], uint8_t *out)
+{
+    for (int k = 0; k < 4; k++) {
+        const int value = k < 3 ? color[k] : 255;
+        const float number = (float)value / 255;
+        const uint16_t word = (uint16_t)(257 * value);
+        if (k == 3 && strcmp(format->type, "VEC3") == 0) break;
+        if (format->component == 5126) memcpy(out + 4 * k, &number, 4);
+        if (format->component == 5123) memcpy(out + 2 * k, &word, 2);
+        if (format->component == 5121) out[k] = (uint8_t)value;
+    }
+}
+
+static void put_squares(const color_format *format)
+{
+    static const uint16_t order[6] = {0, 1, 2, 0, 2, 3};
+    uint8_t bytes[344] = {0};
+    for (int i = 0; i < CORNERS; i++) {
+        const float p[3] = {SQUARE_X[is_right(i)] - (i < 4), SQUARE_Y[i % 4], 0}, n[3] = {0, 0, 1};
+        memcpy(bytes + 12 * i, p, 12), memcpy(bytes + 96 + 12 * i, n, 12);
+        put_color(format, COLORS[i / 4][is_upper(i)], bytes + 216 + format->size * (size_t)i);
+    }
+    for (int i = 0; i < 6 * QUADS; i++) {
+        const uint16_t index = (uint16_t)(4 * (i / 6) + order[i % 6]);
+        memcpy(bytes + 192 + 2 * i, &index, 2);
+    }
+    put("squares.bin", bytes, sizeof bytes);
+}
+
+static daft_mesh load_squares(fixture *f, const color_format *format, const char *attribute, const char *base)
+{
+    static int count;
+    char text[4000], name[32];
+    snprintf(text, sizeof text, TWO_SQUARES, attribute, base, format->size, format->component, format->type,
+             format->component == 5126 ? "" : ",\"normalized\":true");
+    snprintf(name, sizeof name, "squares%d.gltf", count++);
+    put_squares(format);
+    return load_alone(f, name, text);
+}
+
+static void draw_squares(fixture *f, const color_format *format, const char *attribute, const char *base, uint8_t *out)
+{
+    show(f->scene, load_squares(f, format, attribute, base), (daft_material){0});
+    daft_scene_set_ambient(f->scene, daft_v3(0.9f, 0.9f, 0.9f));
+    draw(f, DAFT_TEXTURE_BILINEAR, 0, out);
+    assert_int_equal(f->warnings, 0);
+}
+
+/* COLOR_0, linear between corners, times the base colour. Light is linear in that: between the pictures of black and
+ * white. No colour crosses the edge between the squares, and yet that is one edge of the mesh. */
+static void colors_of_vertices_multiply_the_base_color(void **state)
+{
+    fixture *f = *state;
+    static const color_format formats[] = {{5126, "VEC3", 12}, {5126, "VEC4", 16}, {5121, "VEC4", 4},
+                                           {5121, "VEC3", 4},  {5123, "VEC4", 8},  {5123, "VEC3", 8}};
+    static const double FACTOR[3] = {0.5, 0.8, 1};
+    static const char COLOR[] = ",\"COLOR_0\":3";
+    uint8_t seen[4 * SIDE * SIDE], black[4 * SIDE * SIDE], white[4 * SIDE * SIDE];
+    draw_squares(f, &formats[0], "", "0,0,0", black);
+    draw_squares(f, &formats[0], "", "1,1,1", white);
+    for (size_t i = 0; i < DAFT_COUNT_OF(formats); i++) {
+        draw_squares(f, &formats[i], COLOR, "0.5,0.8,1", seen);
+        for (int y = SIDE / 4; y < 3 * SIDE / 4; y++)
+            for (int x = SIDE / 4; x < 3 * SIDE / 4; x++) {
+                const double up = (1 - place_of(y)) / 2;
+                const int(*edge)[3] = COLORS[x >= SIDE / 2];
+                double want[3];
+                for (int k = 0; k < 3; k++) {
+                    const double own = (edge[0][k] + (edge[1][k] - edge[0][k]) * up) / 255,
+                                 from = linear_of(black[4 * (y * SIDE + x) + k]),
+                                 to = linear_of(white[4 * (y * SIDE + x) + k]);
+                    want[k] = from + (to - from) * FACTOR[k] * own;
+                }
+                compare_pixel(seen, x, y, want, 1.5);
+            }
+        const daft_trimesh *m = &f->scene->assets.meshes[0]->mesh;
+        assert_true(m->vertex_count == 6 && m->colors && m->color_count == CORNERS);
+    }
+}
+
+/* White vertices and none are the same: no point of the mesh has a colour of its own. */
+static void white_vertices_cost_nothing(void **state)
+{
+    fixture *f = *state;
+    static const color_format plain = {5126, "VEC3", 12};
+    load_squares(f, &plain, "", "1,1,1");
+    assert_null(f->scene->assets.meshes[0]->mesh.colors);
+    load_alone(f, "white.ply",
+               "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+               "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1\n"
+               "property list uchar int vertex_indices\nend_header\n"
+               "-1 -1 0 255 255 255\n1 -1 0 255 255 255\n0 1 0 255 255 255\n3 0 1 2\n");
+    assert_null(f->scene->assets.meshes[0]->mesh.colors);
+    assert_null(f->scene->assets.meshes[0]->mesh.color_indices);
+}
+
+/* Other formats have sRGB: what is seen are the file's bytes. */
+static void colors_of_other_formats_are_srgb(void **state)
+{
+    fixture *f = *state;
+    uint8_t seen[4 * SIDE * SIDE];
+    const daft_mesh mesh =
+        load_alone(f, "color.ply",
+                   "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                   "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1\n"
+                   "property list uchar int vertex_indices\nend_header\n"
+                   "-1 -1 0 200 100 25\n1 -1 0 200 100 25\n0 1 0 200 100 25\n3 0 1 2\n");
+    daft_material_def look = daft_default_material_def();
+    look.diffuse = look.ambient = daft_v3(1, 1, 1), look.specular = daft_v3(0, 0, 0);
+    show(f->scene, mesh, daft_material_create(f->scene, &look, NULL));
+    daft_scene_set_ambient(f->scene, daft_v3(1, 1, 1));
+    draw(f, DAFT_TEXTURE_BILINEAR, 0, seen);
+    compare_pixel(seen, SIDE / 2, SIDE / 2, (double[3]){linear_of(200), linear_of(100), linear_of(25)}, 1);
 }
 
 /* ---- refl ---- */
@@ -345,6 +527,9 @@ int main(void)
         WITH_FOLDER(alpha_below_the_cutoff_is_a_hole),
         WITH_FOLDER(roughness_and_metal_come_from_one_image),
         WITH_FOLDER(emission_comes_from_its_image),
+        WITH_FOLDER(colors_of_vertices_multiply_the_base_color),
+        WITH_FOLDER(white_vertices_cost_nothing),
+        WITH_FOLDER(colors_of_other_formats_are_srgb),
         WITH_FOLDER(a_reflection_map_is_mirrored_as_a_sky),
         WITH_FOLDER(mtllib_is_beside_the_file_and_then_in_the_roots),
     };
