@@ -398,13 +398,16 @@ typedef struct daft_material_def {
     daft_shading shading;
     float metallic; /* 0..1; physical shading alone */
     /* Textures that multiply a value, by use of their sRGB colours (ambient, specular, emission) or of bytes as they
-     * are: green (shininess, roughness), blue (metallic), alpha or, where the image has none, green (alpha). */
+     * are: green (shininess, roughness), blue (metallic), red (occlusion), alpha or, where the image has none, green
+     * (alpha). */
     daft_texture ambient_map; /* instead of `diffuse_map` */
     daft_texture specular_map, emission_map, shininess_map, roughness_map, metallic_map;
-    daft_texture normal_map; /* tangent space: red along u, green along v, blue outwards, as glTF has it */
-    float normal_strength;   /* of its slopes: 1 */
-    daft_texture bump_map;   /* heights, in green */
-    float bump_strength;     /* slope where neighbouring texels differ from black to white: 1 */
+    daft_texture normal_map;    /* tangent space: red along u, green along v, blue outwards, as glTF has it */
+    float normal_strength;      /* of its slopes: 1 */
+    daft_texture bump_map;      /* heights, in green */
+    float bump_strength;        /* slope where neighbouring texels differ from black to white: 1 */
+    daft_texture occlusion_map; /* red: the fraction of the ambient light that reaches the place, as glTF has it */
+    float occlusion_strength;   /* 0..1: of what it keeps away: 1 */
     daft_alpha_mode alpha_mode;
     float opacity; /* 0..1, what the alpha map multiplies; of a mask and a blend alone */
     float alpha_cutoff;

@@ -230,6 +230,8 @@ local voice = {}
 ---@field normal_strength? number Its slopes are multiplied by it (number, -100 to 100); 1 unless given
 ---@field bump_texture? "name" Heights, in green
 ---@field bump_strength? number The slope between a black texel and a white one beside it (number, -1000 to 1000); 1 unless given
+---@field occlusion_texture? "name" By the image's red the ambient light is multiplied, as in glTF; other lights are not
+---@field occlusion_strength? number How much of the light that it keeps away is kept away (number, 0 to 1); 1 unless given
 ---@field alpha? "opaque"|"mask"|"blend" mask: a hole where alpha is below alpha_cutoff; blend: what lies behind shows as much as alpha is below 1; "opaque" unless given
 ---@field opacity? number What alpha is multiplied by (number, 0 to 1); 1 unless given
 ---@field alpha_cutoff? number Where a mask has holes (number, 0 to 1); 0.5 unless given

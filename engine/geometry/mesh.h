@@ -73,6 +73,7 @@ typedef enum daft_mtl_use {
     DAFT_MTL_ROUGHNESS,
     DAFT_MTL_METALLIC,
     DAFT_MTL_REFLECTION, /* refl -type sphere */
+    DAFT_MTL_OCCLUSION,  /* map_AO */
     DAFT_MTL_MAPS,
     DAFT_MTL_DIFFUSE = DAFT_MTL_MAPS /* the material's own */
 } daft_mtl_use;
@@ -105,6 +106,7 @@ typedef struct daft_mtl {
     bool has_roughness;
     uint32_t alpha_mode;      /* a daft_alpha_mode, of maps */
     float alpha_cutoff, bump; /* bump: -bm */
+    float occlusion;          /* the strength of its map, which MTL says by -mm: 0..1 */
     daft_vec2 scale, offset;  /* -s -o, of all maps */
     uint32_t wrap;            /* -clamp: a daft_wrap */
     daft_mtl_maps *maps;      /* NULL: none beside map_Kd. The list's */

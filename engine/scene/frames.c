@@ -96,11 +96,13 @@ static daft_surface strip(daft_surface surface, uint32_t without)
     if (without & DAFT_WITHOUT_DIFFUSE) surface.diffuse = none;
     if (without & (DAFT_WITHOUT_SPECULAR | DAFT_WITHOUT_SHADING)) surface.specular = none;
     if (without & DAFT_WITHOUT_SHADING) surface.mirror = none;
+    if (without & DAFT_WITHOUT_SHADING)
+        surface.traits &= ~(uint32_t)DAFT_TRAIT_OCCLUSION, surface.maps[DAFT_MAP_OCCLUSION] = DAFT_NO_TEXTURE;
     if (surface.traits & DAFT_TRAIT_PHYSICAL && without & (DAFT_WITHOUT_SPECULAR | DAFT_WITHOUT_SHADING))
         surface.traits &= ~(uint32_t)DAFT_TRAIT_PHYSICAL, surface.mirror = none;
     if (!(without & DAFT_WITHOUT_TEXTURES)) return surface;
     surface.texture = DAFT_NO_TEXTURE;
-    surface.traits &= ~(uint32_t)(DAFT_TRAIT_MAPS | DAFT_TRAIT_TANGENT);
+    surface.traits &= ~(uint32_t)(DAFT_TRAIT_MAPS | DAFT_TRAIT_TANGENT | DAFT_TRAIT_OCCLUSION);
     for (int i = 0; i < DAFT_MAPS; i++) surface.maps[i] = DAFT_NO_TEXTURE;
     return surface;
 }

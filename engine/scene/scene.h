@@ -400,7 +400,7 @@ uint32_t daft_asset_add(daft_scene *scene, daft_slots *slots, daft_asset_state *
 void daft_material_free(daft_scene *scene, uint32_t index);
 /* A texture, by its handle, is another picture now. */
 void daft_material_refresh(daft_scene *scene, uint32_t texture);
-enum { DAFT_MATERIAL_TEXTURES = 11 };
+enum { DAFT_MATERIAL_TEXTURES = 12 };
 const daft_texture *daft_material_textures(const daft_material_def *def, daft_texture out[DAFT_MATERIAL_TEXTURES]);
 
 bool daft_material_check(const daft_scene *scene, daft_material material, daft_error *error);

@@ -22,6 +22,7 @@ enum {
     DAFT_MAP_BUMP,
     DAFT_MAP_ALPHA,
     DAFT_MAP_REFLECTION,
+    DAFT_MAP_OCCLUSION,
     DAFT_MAPS
 };
 
@@ -40,7 +41,7 @@ typedef struct daft_surface {
     uint32_t wrap;   /* a daft_wrap */
     uint32_t traits; /* DAFT_TRAIT_VARIES, and what goes with it; 0: all that follows is not read */
     float metallic, roughness;
-    float normal_strength, bump_strength, opacity, cutoff;
+    float normal_strength, bump_strength, occlusion_strength, opacity, cutoff;
     uint32_t maps[DAFT_MAPS]; /* textures, each DAFT_NO_TEXTURE or an index; DAFT_MAP_… */
     uint32_t alpha_channel;   /* of DAFT_MAP_ALPHA: a texel's byte, 0 to 3 */
     int32_t priority;         /* of what transmits, where bodies overlap */
@@ -59,7 +60,8 @@ enum {
     DAFT_TRAIT_TANGENT = 128, /* some of these are normals or heights */
     DAFT_TRAIT_PHYSICAL = 256,
     DAFT_TRAIT_BLEND = 512,
-    DAFT_TRAIT_AROUND = 1024 /* mirrors an image all around it */
+    DAFT_TRAIT_AROUND = 1024,   /* mirrors an image all around it */
+    DAFT_TRAIT_OCCLUSION = 2048 /* a map keeps ambient light away */
 };
 
 static inline uint32_t daft_surface_traits(const daft_surface *m)

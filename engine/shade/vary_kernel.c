@@ -1,5 +1,5 @@
 /* What of a material depends on the place or on the direction it is seen from: maps of highlights, emission, exponents,
- * roughness, metal and opacity, normals and heights, and physically based shading.
+ * roughness, metal, occlusion and opacity, normals and heights, and physically based shading.
  *
  * Physically based: a metal reflects by its base colour, anything else by 4 % straight on (Burley, "Physically Based
  * Shading at Disney", 2012; alpha is the square of roughness), facets are GGX's and hide each other by Smith's term
@@ -180,6 +180,16 @@ static void add_reflection(const place *p, const material_reader *m)
                 (vf3){emission.x + light.x * part.x, emission.y + light.y * part.y, emission.z + light.z * part.z});
 }
 
+/* What a map leaves of the ambient light (glTF 2.0, 3.9.3: 1 + strength · (red - 1)), also where that stands for what
+ * rays would see; rays meet what stands around, and light sources have their shadows. */
+static void occlude(const place *p, const material_reader *m)
+{
+    daft_varying *v = p->batch->varying;
+    const vf one = vf_set(1), red = map_of(p, DAFT_MAP_OCCLUSION, true, NULL).x;
+    const vf left = one + MATERIAL_WORD(m, occlusion_strength) * (red - one);
+    lanes_store(&v->ambient, p->i, scaled3(lanes_load(&v->ambient, p->i), left));
+}
+
 /* What of a surface that blends is there: its light is as much less. */
 static void make_opacity(const place *p, const material_reader *m)
 {
@@ -215,6 +225,7 @@ void DAFT_KERNEL(daft_vary)(daft_batch *batch, const daft_surface *materials, co
         /* of a physical surface `diffuse` is the base colour */
         if (vbits_from_mask(physical)) make_physical(&p, &m, lanes_load(&batch->varying->diffuse, p.i), physical);
         if (batch->traits & DAFT_TRAIT_AROUND) add_reflection(&p, &m);
+        if (batch->traits & DAFT_TRAIT_OCCLUSION) occlude(&p, &m);
         if (batch->traits & DAFT_TRAIT_BLEND)
             make_opacity(&p, &m);
         else

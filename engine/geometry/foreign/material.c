@@ -1,5 +1,5 @@
 /* Materials as MTL has them, with Pr and Pm where they are metallic-roughness ones: glTF's base colour, metal and
- * roughness, normals, emission, alphaMode and alphaCutoff. */
+ * roughness, normals, occlusion, emission, alphaMode and alphaCutoff. */
 #include "geometry/foreign/assimp.h"
 
 #include <assimp/GltfMaterial.h>
@@ -161,6 +161,30 @@ static bool take_physical_maps(const reader *r, daft_mtl *out)
            take_map(r, aiTextureType_METALNESS, DAFT_MTL_METALLIC, out);
 }
 
+/* glTF's occlusion, which Assimp has among light maps; of other formats those are what their name says. Baked ones
+ * often lie by coordinates of their own. */
+static bool take_occlusion(const reader *r, daft_mtl *out)
+{
+    const enum aiTextureType type =
+        daft_foreign_is_gltf(r->from) ? aiTextureType_LIGHTMAP : aiTextureType_AMBIENT_OCCLUSION;
+    struct aiString name;
+    unsigned set = 0;
+    const enum aiReturn found =
+        r->from->assimp->texture(r->material, type, 0, &name, NULL, &set, NULL, NULL, NULL, NULL);
+    if (found != aiReturn_SUCCESS) return true;
+    if (set != 0) {
+        daft_warn_at(
+            r->from->log, DAFT_ERROR_UNSUPPORTED, r->from->path, 0, 0,
+            "the occlusion of the material '%.100s' is left out: it lies by texture coordinates number %u, and "
+            "only the first are read",
+            out->name, set);
+        return true;
+    }
+    if (number(r, AI_MATKEY_GLTF_TEXTURE_STRENGTH(type, 0), &out->occlusion))
+        out->occlusion = fminf(fmaxf(out->occlusion, 0), 1);
+    return take_map(r, type, DAFT_MTL_OCCLUSION, out);
+}
+
 static bool fill(const reader *r, uint32_t index, daft_mtl *out)
 {
     struct aiString name;
@@ -186,7 +210,7 @@ static bool fill(const reader *r, uint32_t index, daft_mtl *out)
     return take_map(r, aiTextureType_BASE_COLOR, DAFT_MTL_DIFFUSE, out) &&
            (out->diffuse_map[0] || take_map(r, aiTextureType_DIFFUSE, DAFT_MTL_DIFFUSE, out)) &&
            (!physical || take_physical_maps(r, out)) && take_map(r, aiTextureType_NORMALS, DAFT_MTL_NORMAL, out) &&
-           take_map(r, aiTextureType_EMISSIVE, DAFT_MTL_EMISSION, out);
+           take_map(r, aiTextureType_EMISSIVE, DAFT_MTL_EMISSION, out) && take_occlusion(r, out);
 }
 
 bool daft_foreign_materials(const daft_foreign *from, daft_mtl_list *out)

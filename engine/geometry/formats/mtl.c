@@ -35,6 +35,7 @@ daft_mtl daft_mtl_default(void)
                       .opacity = 1,
                       .alpha_cutoff = 0.5f,
                       .bump = 1,
+                      .occlusion = 1,
                       .scale = {1, 1},
                       .diffuse_change = {.gain = 1},
                       .filter = {1, 1, 1},
@@ -501,7 +502,7 @@ static const struct {
     {"map_Ns", DAFT_MTL_SHININESS}, {"map_d", DAFT_MTL_ALPHA},         {"map_Bump", DAFT_MTL_BUMP},
     {"bump", DAFT_MTL_BUMP},        {"norm", DAFT_MTL_NORMAL},         {"map_norm", DAFT_MTL_NORMAL},
     {"map_Kn", DAFT_MTL_NORMAL},    {"map_Pr", DAFT_MTL_ROUGHNESS},    {"map_Pm", DAFT_MTL_METALLIC},
-    {"refl", DAFT_MTL_REFLECTION},  {"map_refl", DAFT_MTL_REFLECTION},
+    {"refl", DAFT_MTL_REFLECTION},  {"map_refl", DAFT_MTL_REFLECTION}, {"map_AO", DAFT_MTL_OCCLUSION},
 };
 
 static bool is_word(const char *word, size_t length, const char *keyword)

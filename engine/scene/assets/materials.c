@@ -17,10 +17,10 @@ daft_material_def daft_default_material_def(void)
 /* Every texture that a material has. */
 const daft_texture *daft_material_textures(const daft_material_def *def, daft_texture out[DAFT_MATERIAL_TEXTURES])
 {
-    const daft_texture all[DAFT_MATERIAL_TEXTURES] = {def->diffuse_map,  def->ambient_map,   def->specular_map,
-                                                      def->emission_map, def->shininess_map, def->roughness_map,
-                                                      def->metallic_map, def->normal_map,    def->bump_map,
-                                                      def->alpha_map,    def->reflection_map};
+    const daft_texture all[DAFT_MATERIAL_TEXTURES] = {def->diffuse_map,  def->ambient_map,    def->specular_map,
+                                                      def->emission_map, def->shininess_map,  def->roughness_map,
+                                                      def->metallic_map, def->normal_map,     def->bump_map,
+                                                      def->alpha_map,    def->reflection_map, def->occlusion_map};
     memcpy(out, all, sizeof all);
     return out;
 }
@@ -35,6 +35,8 @@ static bool mirrors_image(const daft_material_def *def)
     return def->reflection_map.id && def->mirror > 0 && def->shading != DAFT_SHADING_PHYSICAL;
 }
 
+static bool occludes(const daft_material_def *def) { return def->occlusion_map.id && def->occlusion_strength > 0; }
+
 static void set_maps(const daft_scene *scene, const daft_material_def *def, daft_surface *s)
 {
     const daft_texture alpha = def->alpha_map.id ? def->alpha_map : def->diffuse_map;
@@ -48,7 +50,8 @@ static void set_maps(const daft_scene *scene, const daft_material_def *def, daft
         [DAFT_MAP_NORMAL] = def->normal_map,
         [DAFT_MAP_BUMP] = def->bump_map,
         [DAFT_MAP_ALPHA] = def->alpha_mode == DAFT_ALPHA_OPAQUE ? (daft_texture){0} : alpha,
-        [DAFT_MAP_REFLECTION] = mirrors_image(def) ? def->reflection_map : (daft_texture){0}};
+        [DAFT_MAP_REFLECTION] = mirrors_image(def) ? def->reflection_map : (daft_texture){0},
+        [DAFT_MAP_OCCLUSION] = occludes(def) ? def->occlusion_map : (daft_texture){0}};
     bool some = false;
     for (int i = 0; i < DAFT_MAPS; i++) {
         s->maps[i] = texture_number(maps[i]);
@@ -59,6 +62,7 @@ static void set_maps(const daft_scene *scene, const daft_material_def *def, daft
     s->alpha_channel = own || !def->alpha_map.id ? 3 : 1;
     if (some) s->traits |= DAFT_TRAIT_MAPS | DAFT_TRAIT_VARIES;
     if (def->normal_map.id || def->bump_map.id) s->traits |= DAFT_TRAIT_TANGENT;
+    if (occludes(def)) s->traits |= DAFT_TRAIT_OCCLUSION;
     if (mirrors_image(def)) s->traits |= DAFT_TRAIT_AROUND, s->reflection = s->mirror, s->mirror = daft_v3(0, 0, 0);
 }
 
@@ -145,6 +149,7 @@ static daft_surface surface_from(const daft_scene *scene, const daft_material_de
         .roughness = def->roughness,
         .normal_strength = def->normal_strength,
         .bump_strength = def->bump_strength,
+        .occlusion_strength = def->occlusion_strength,
     };
     set_maps(scene, def, &surface);
     set_alpha(scene, def, &surface);
@@ -296,11 +301,12 @@ static void illuminate(const daft_mtl *mtl, daft_material_def *def)
 static daft_texture *map_field(daft_material_def *def, int use)
 {
     daft_texture *const fields[DAFT_MTL_MAPS] = {
-        [DAFT_MTL_AMBIENT] = &def->ambient_map,   [DAFT_MTL_SPECULAR] = &def->specular_map,
-        [DAFT_MTL_EMISSION] = &def->emission_map, [DAFT_MTL_SHININESS] = &def->shininess_map,
-        [DAFT_MTL_ALPHA] = &def->alpha_map,       [DAFT_MTL_BUMP] = &def->bump_map,
-        [DAFT_MTL_NORMAL] = &def->normal_map,     [DAFT_MTL_ROUGHNESS] = &def->roughness_map,
-        [DAFT_MTL_METALLIC] = &def->metallic_map, [DAFT_MTL_REFLECTION] = &def->reflection_map};
+        [DAFT_MTL_AMBIENT] = &def->ambient_map,    [DAFT_MTL_SPECULAR] = &def->specular_map,
+        [DAFT_MTL_EMISSION] = &def->emission_map,  [DAFT_MTL_SHININESS] = &def->shininess_map,
+        [DAFT_MTL_ALPHA] = &def->alpha_map,        [DAFT_MTL_BUMP] = &def->bump_map,
+        [DAFT_MTL_NORMAL] = &def->normal_map,      [DAFT_MTL_ROUGHNESS] = &def->roughness_map,
+        [DAFT_MTL_METALLIC] = &def->metallic_map,  [DAFT_MTL_REFLECTION] = &def->reflection_map,
+        [DAFT_MTL_OCCLUSION] = &def->occlusion_map};
     return fields[use];
 }
 
@@ -355,7 +361,7 @@ daft_material daft_material_from_mtl(daft_scene *scene, const daft_mtl *mtl, daf
     def.shininess = mtl->shininess < 1000 ? mtl->shininess : 1000;
     def.roughness = mtl->roughness;
     def.map_scale = mtl->scale, def.map_offset = mtl->offset, def.map_wrap = mtl->wrap;
-    def.bump_strength = mtl->bump, def.metallic = mtl->metallic;
+    def.bump_strength = mtl->bump, def.metallic = mtl->metallic, def.occlusion_strength = mtl->occlusion;
     def.alpha_mode = mtl->alpha_mode, def.alpha_cutoff = mtl->alpha_cutoff;
     /* illum 3 to 9 with a Pr alone is MTL's mirror, as rough as that says */
     const bool physical = mtl->physical || (mtl->has_roughness && mtl->illum < 3);

@@ -139,6 +139,7 @@ static const struct {
     {"normal_texture", offsetof(daft_material_def, normal_map)},
     {"bump_texture", offsetof(daft_material_def, bump_map)},
     {"alpha_texture", offsetof(daft_material_def, alpha_map)},
+    {"occlusion_texture", offsetof(daft_material_def, occlusion_map)},
     {"reflection_texture", offsetof(daft_material_def, reflection_map)},
 };
 
@@ -164,6 +165,7 @@ READ_MAP(6)
 READ_MAP(7)
 READ_MAP(8)
 READ_MAP(9)
+READ_MAP(10)
 
 /* A colour is of all light, unless the ambient one has its own. */
 static void color_ambient(lua_State *L, host *h, int table, void *out)
@@ -190,7 +192,8 @@ static const api_special SPECIALS[] = {
     {.name = "normal_texture", .read = read_map_6, .value = "\"name\""},
     {.name = "bump_texture", .read = read_map_7, .value = "\"name\""},
     {.name = "alpha_texture", .read = read_map_8, .value = "\"name\""},
-    {.name = "reflection_texture", .read = read_map_9, .value = "\"name\""}};
+    {.name = "occlusion_texture", .read = read_map_9, .value = "\"name\""},
+    {.name = "reflection_texture", .read = read_map_10, .value = "\"name\""}};
 
 const api_form api_material_form = {"material", "daft.material", DAFT_STRUCT_MATERIAL_DEF,
                                     -1,         SPECIALS,        COUNT_OF(SPECIALS)};

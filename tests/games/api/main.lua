@@ -168,8 +168,8 @@ local function materials()
     e:material("checker")
     expect_error("there is no texture 'cheker': did you mean 'checker'?", e.material, e, "cheker")
     for _, use in ipairs { "ambient", "specular", "emission", "shininess", "roughness", "metallic", "normal", "bump", "alpha",
-        "reflection" } do
-        e:material { [use .. "_texture"] = "checker" }
+        "occlusion", "reflection" } do
+        e:material { [use .. "_texture"] = "checker", occlusion_strength = 0.5 }
         expect_error("there is no texture 'cheker'", e.material, e, { [use .. "_texture"] = "cheker" })
     end
     expect_error("mirror is 2; it must be between 0 and 1", daft.material, { mirror = 2 })

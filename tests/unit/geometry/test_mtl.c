@@ -186,12 +186,13 @@ static void maps_are_read(void **unused)
                                   "map_Ke ke.png\nmap_Ns -imfchan r ns.png\nmap_d d.png\nmap_Bump -bm 2.5 b.png\n"
                                   "norm n.png\nmap_Pr -mm .25 .5 pr.png\nmap_Pm -texres 256 pm.png\nPr .5\nPm .75\n"
                                   "refl -type sphere -s 9 9 -mm 0 .5 r.png\nrefl -type cube_top top.png\n"
+                                  "map_ao -mm .4 .6 ao.png\n"
                                   "newmtl b\nKd 1 1 1\n");
     static const char *const names[DAFT_MTL_MAPS] = {
         [DAFT_MTL_AMBIENT] = "ka.png",   [DAFT_MTL_SPECULAR] = "ks.png",  [DAFT_MTL_EMISSION] = "ke.png",
         [DAFT_MTL_SHININESS] = "ns.png", [DAFT_MTL_ALPHA] = "d.png",      [DAFT_MTL_BUMP] = "b.png",
         [DAFT_MTL_NORMAL] = "n.png",     [DAFT_MTL_ROUGHNESS] = "pr.png", [DAFT_MTL_METALLIC] = "pm.png",
-        [DAFT_MTL_REFLECTION] = "r.png"};
+        [DAFT_MTL_REFLECTION] = "r.png", [DAFT_MTL_OCCLUSION] = "ao.png"};
     assert_int_equal(warnings.count, 0);
     assert_non_null(m->maps);
     for (int i = 0; i < DAFT_MTL_MAPS; i++) assert_string_equal(m->maps->map[i].path, test_path(names[i]));
@@ -202,6 +203,7 @@ static void maps_are_read(void **unused)
     assert_true(m->maps->map[DAFT_MTL_ROUGHNESS].change.base == .25f);
     assert_true(m->maps->map[DAFT_MTL_ROUGHNESS].change.gain == .5f);
     assert_int_equal(m->maps->map[DAFT_MTL_METALLIC].change.most, 256);
+    assert_true(m->maps->map[DAFT_MTL_OCCLUSION].change.base == .4f && m->occlusion == 1);
     assert_true(m->alpha_mode == DAFT_ALPHA_MASK && is_color(m->specular, 1, 1, 1));
     assert_true(m[1].maps == NULL && m[1].scale.x == 1 && !m[1].physical && m[1].alpha_mode == DAFT_ALPHA_OPAQUE);
     done();

@@ -1,5 +1,5 @@
 /* Maps of model files as they are drawn: what lies beyond a texture's edges, holes where alpha is below glTF's cutoff,
- * roughness, metal and emission from images, colours of vertices, and materials of OBJ files from the asset
+ * roughness, metal, emission and occlusion from images, colours of vertices, and materials of OBJ files from the asset
  * roots. Each picture is compared with what is drawn without a map, or with the texel that a formula names. */
 #include "scene_fixture.h"
 
@@ -268,6 +268,118 @@ static void compare_pixel(const uint8_t *seen, int x, int y, const double linear
             fail_msg("pixel %d, %d, channel %d: %d, not %.2f", x, y, k, got[k], byte_of(linear[k]));
 }
 
+/* ---- occlusion ---- */
+
+typedef enum lit_by { BY_AMBIENT, BY_SKY, BY_SUN, BY_BOTH } lit_by;
+
+static void light_by(fixture *f, lit_by by)
+{
+    daft_scene_set_ambient(f->scene, by == BY_SUN ? daft_v3(0, 0, 0) : daft_v3(0.5f, 0.5f, 0.5f));
+    daft_scene_set_sky_color(f->scene, daft_v3(0.25f, 0.5f, 0.75f));
+    if (by == BY_SKY) daft_scene_set_ambient_sky(f->scene, 1);
+    if (by == BY_SUN || by == BY_BOTH) add_sun(f);
+}
+
+/* What this material is under these lights. */
+static void draw_lit(fixture *f, const char *material, lit_by by, uint8_t *out)
+{
+    show(f->scene, load_square(f, material), (daft_material){0});
+    light_by(f, by);
+    draw(f, DAFT_TEXTURE_NEAREST, 0, out);
+    assert_int_equal(f->warnings, 0);
+}
+
+static const uint8_t REDS[TEXELS] = {0, 85, 170, 255};
+
+static void put_occlusion(void)
+{
+    uint8_t texels[4 * TEXELS]; /* blue and green say the opposite */
+    for (int i = 0; i < TEXELS; i++) {
+        texels[4 * i] = texels[4 * i + 1] = (uint8_t)(255 - REDS[i]);
+        texels[4 * i + 2] = REDS[i], texels[4 * i + 3] = 255;
+    }
+    put_picture("map.tga", TEXELS, 1, texels);
+}
+
+#define WHITE "\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"roughnessFactor\":1}"
+
+/* The middle of the picture `seen`: ambient light times what the map leaves, and the sun as in the picture `sun`. */
+static void compare_occluded(const uint8_t *seen, const uint8_t *sun, lit_by by, double strength)
+{
+    static const double AMBIENT[2][3] = {{0.5, 0.5, 0.5}, {0.25, 0.5, 0.75}};
+    for (int y = SIDE / 4; y < 3 * SIDE / 4; y++)
+        for (int x = SIDE / 4; x < 3 * SIDE / 4; x++) {
+            const double left = 1 + strength * (REDS[(int)((place_of(x) + 1) / 2 * TEXELS)] / 255.0 - 1);
+            double want[3];
+            for (int k = 0; k < 3; k++) {
+                const double own = linear_of(sun[4 * (y * SIDE + x) + k]);
+                want[k] = by == BY_SUN ? own : AMBIENT[by == BY_SKY][k] * left + (by == BY_BOTH ? own : 0);
+            }
+            compare_pixel(seen, x, y, want, by == BY_SUN ? 0.01 : 1);
+        }
+}
+
+/* White dielectrics send on all of the light from everywhere, whatever facets reflect of it: the picture is the map. */
+static void occlusion_dims_ambient_light_alone(void **state)
+{
+    fixture *f = *state;
+    static const struct {
+        const char *text;
+        double value;
+    } strengths[] = {{"", 1}, {",\"strength\":0.6", 0.6}, {",\"strength\":0", 0}};
+    uint8_t seen[4 * SIDE * SIDE], sun[4 * SIDE * SIDE];
+    put_square(), put_occlusion();
+    draw_lit(f, WHITE, BY_SUN, sun);
+    for (size_t s = 0; s < DAFT_COUNT_OF(strengths); s++) {
+        char material[300];
+        snprintf(material, sizeof material, "\"occlusionTexture\":{\"index\":0%s}," WHITE, strengths[s].text);
+        for (lit_by by = BY_AMBIENT; by <= BY_BOTH; by++) {
+            draw_lit(f, material, by, seen);
+            const uint32_t traits = f->scene->assets.surfaces[1].traits; /* without this one no code of it runs */
+            assert_int_equal((traits & DAFT_TRAIT_OCCLUSION) != 0, strengths[s].value > 0);
+            compare_occluded(seen, sun, by, strengths[s].value);
+        }
+    }
+}
+
+/* The square in Phong's white, with lines of MTL. */
+static void draw_phong(fixture *f, const char *name, const char *more, lit_by by, uint8_t *out)
+{
+    char text[200];
+    daft_error error;
+    const daft_mesh mesh = load_square(f, WHITE);
+    snprintf(text, sizeof text, "newmtl m\nKd 1 1 1\nKa 1 1 1\nKs 0 0 0\n%s", more);
+    const daft_material material = daft_material_load(f->scene, put_text(name, text), &error);
+    if (!material.id) fail_msg("%s", error.message);
+    show(f->scene, mesh, material);
+    light_by(f, by);
+    draw(f, DAFT_TEXTURE_NEAREST, 0, out);
+    assert_int_equal(f->warnings, 0);
+}
+
+/* Phong's materials have it from MTL, where -mm says the strength: base + gain · red. */
+static void occlusion_of_mtl_files(void **state)
+{
+    fixture *f = *state;
+    uint8_t seen[4 * SIDE * SIDE], sun[4 * SIDE * SIDE];
+    put_square(), put_occlusion();
+    draw_phong(f, "without.mtl", "", BY_SUN, sun);
+    for (lit_by by = BY_AMBIENT; by <= BY_BOTH; by++) {
+        draw_phong(f, "with.mtl", "map_AO -mm 0.4 0.6 map.tga\n", by, seen);
+        compare_occluded(seen, sun, by, 0.6);
+    }
+}
+
+static void occlusion_by_other_coordinates_is_told(void **state)
+{
+    fixture *f = *state;
+    put_square(), put_occlusion();
+    load_square(f, "\"name\":\"stone\",\"occlusionTexture\":{\"index\":0,\"texCoord\":1}," WHITE);
+    assert_int_equal(f->warnings, 1);
+    assert_non_null(strstr(f->last_warning.message, "'stone'"));
+    assert_int_equal(f->scene->assets.surfaces[1].traits & DAFT_TRAIT_OCCLUSION, 0);
+}
+
 /* ---- colours of vertices ---- */
 
 enum { QUADS = 2, CORNERS = 4 * QUADS };
@@ -527,6 +639,9 @@ int main(void)
         WITH_FOLDER(alpha_below_the_cutoff_is_a_hole),
         WITH_FOLDER(roughness_and_metal_come_from_one_image),
         WITH_FOLDER(emission_comes_from_its_image),
+        WITH_FOLDER(occlusion_dims_ambient_light_alone),
+        WITH_FOLDER(occlusion_of_mtl_files),
+        WITH_FOLDER(occlusion_by_other_coordinates_is_told),
         WITH_FOLDER(colors_of_vertices_multiply_the_base_color),
         WITH_FOLDER(white_vertices_cost_nothing),
         WITH_FOLDER(colors_of_other_formats_are_srgb),

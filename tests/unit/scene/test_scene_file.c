@@ -257,7 +257,8 @@ static void materials_have_names(void **state)
     load_good(f, "mesh t.obj 0 0 0 2 material ruby\nmesh t.obj 0 0 0\nsphere 0 0 0 1 gold name=ball\n"
                  "material ruby color=0.9,0.1,0.2 emission=0.5 texture=sky.tga texture_wrap=mirror "
                  "normal_texture=sky.tga refractive_index=1.7 alpha=blend\n"
-                 "material gold shading=physical metallic=1 roughness=0.25\n");
+                 "material gold shading=physical metallic=1 roughness=0.25 occlusion_texture=sky.tga "
+                 "occlusion_strength=0.5\n");
     daft_material_def def, plain = daft_default_material_def();
     char name[16];
     assert_true(daft_material_get(f->scene, entity(f, 0)->def.material, &def, NULL));
@@ -270,6 +271,7 @@ static void materials_have_names(void **state)
     assert_int_equal(entity(f, 1)->def.material.id, 0); /* the mesh's own */
     assert_true(daft_material_get(f->scene, entity(f, 2)->def.material, &def, NULL));
     assert_true(def.shading == DAFT_SHADING_PHYSICAL && def.metallic == 1 && def.roughness == 0.25f);
+    assert_true(def.occlusion_map.id && def.occlusion_strength == 0.5f && plain.occlusion_strength == 1);
 }
 
 /* material NAME { … } over several lines says what one line does. */

@@ -69,6 +69,10 @@ static const daft_field ROWS[] = {
     ROW(bump_map, .lua = "bump_texture", .scene = "bump_texture", .doc = "Heights, in green"),
     ROW(bump_strength, FROM(-1000, 1000), .initial = {1}, .lua = "bump_strength", .scene = "bump_strength",
         .doc = "The slope between a black texel and a white one beside it"),
+    ROW(occlusion_map, .lua = "occlusion_texture", .scene = "occlusion_texture",
+        .doc = "By the image's red the ambient light is multiplied, as in glTF; other lights are not"),
+    ROW(occlusion_strength, FROM(0, 1), .initial = {1}, .lua = "occlusion_strength", .scene = "occlusion_strength",
+        .doc = "How much of the light that it keeps away is kept away"),
     CHOICE(alpha_mode, ALPHA_MODES, .lua = "alpha", .scene = "alpha",
            .doc = "mask: a hole where alpha is below alpha_cutoff; blend: what lies behind shows as much as alpha is "
                   "below 1"),
