@@ -346,12 +346,6 @@ DAFT_INLINE bool daft_blocks_intersect(const daft_block *b, int count, const daf
     return daft_blocks_take(b, maybe, plain, r, hit);
 }
 
-/* Without branches: x - x is 0 for finite x and NaN for others. */
-DAFT_INLINE bool daft_finite_lines(daft_vec3 o, daft_vec3 d)
-{
-    return (o.x - o.x) + (o.y - o.y) + (o.z - o.z) + (d.x - d.x) + (d.y - d.y) + (d.z - d.z) == 0;
-}
-
 /* A ray that is not finite, goes nowhere or ends before it begins hits nothing. */
 DAFT_INLINE bool daft_ray_usable(const daft_ray *ray)
 {

@@ -122,13 +122,11 @@ bool daft_rig_bound(const daft_allocator *allocator, daft_rig *rig, daft_error *
 typedef struct daft_rig_space daft_rig_space;
 daft_rig_space *daft_rig_space_make(const daft_allocator *allocator, const daft_rig *rig, daft_error *error);
 void daft_rig_space_free(daft_rig_space *space); /* NULL is fine */
-size_t daft_rig_space_bytes(const daft_rig *rig);
 
 /* The pose of the layers, none of them: at rest. */
 void daft_rig_pose(const daft_rig *rig, const daft_rig_layer *layers, uint32_t count, daft_rig_space *space);
-/* A joint's matrix and a target's weight in the pose that was computed last. */
+/* A joint's matrix in the pose that was computed last. */
 const double *daft_rig_joint_matrix(const daft_rig_space *space, uint32_t joint);
-double daft_rig_target_weight(const daft_rig_space *space, uint32_t target);
 /* Moves x, y, z and normals of the mesh, which has as many as the rig, to the pose that was computed last, and sets its
  * bounds. */
 void daft_rig_skin(const daft_rig *rig, daft_rig_space *space, int isa, daft_trimesh *mesh);

@@ -30,7 +30,8 @@ daft_dvec3 daft_cube_direction(int face, double x, double y)
 
 static double along(const double axis[3], daft_dvec3 d) { return axis[0] * d.x + axis[1] * d.y + axis[2] * d.z; }
 
-int daft_cube_face(daft_dvec3 d, double *x, double *y)
+/* The face in a direction, and the place in it: 0 to 1 from its upper left corner. */
+static int face_in(daft_dvec3 d, double *x, double *y)
 {
     const double ax = fabs(d.x), ay = fabs(d.y), az = fabs(d.z);
     const int face = ax >= ay && ax >= az ? (d.x < 0 ? 1 : 0) : ay >= az ? (d.y < 0 ? 3 : 2) : (d.z > 0 ? 5 : 4);
@@ -53,7 +54,7 @@ static void copy_beside(const daft_sky_image *sky, int face, int x, int y)
 {
     const int side = sky->width - 2;
     double u, v;
-    const int other = daft_cube_face(daft_cube_direction(face, (x + 0.5) / side, (y + 0.5) / side), &u, &v);
+    const int other = face_in(daft_cube_direction(face, (x + 0.5) / side, (y + 0.5) / side), &u, &v);
     memcpy(texel_of(sky, face, x, y), texel_of(sky, other, place_of(u, side), place_of(v, side)), 3 * sizeof(float));
 }
 

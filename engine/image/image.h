@@ -112,10 +112,8 @@ bool daft_sky_decode_cube(const daft_allocator *allocator, const daft_image_file
 /* Of one image, or as a cube of six; shared as textures are. */
 bool daft_sky_share(daft_image_cache *cache, const daft_allocator *allocator, const daft_image_file *files, int count,
                     daft_sky_image *out, daft_error *error);
-/* The direction, of any length, in which place x, y of a face lies, 0 to 1 from its upper left corner; and the face in
- * a direction, and where in it. */
+/* The direction, of any length, in which place x, y of a face lies, 0 to 1 from its upper left corner. */
 daft_dvec3 daft_cube_direction(int face, double x, double y);
-int daft_cube_face(daft_dvec3 direction, double *x, double *y);
 /* Of no cube, over all directions: of at least 256 rows, as far as there are so many; of all rows where a few texels
  * may outshine the others. */
 daft_vec3 daft_sky_mean(const daft_sky_image *sky);

@@ -1,4 +1,4 @@
-/* What the two kernel sources of surfaces share: facets that a batch's rays meet, set up. */
+/* What the three kernel sources of surfaces share: facets that a batch's rays meet, set up. */
 #ifndef DAFT_SURFACE_H
 #define DAFT_SURFACE_H
 
@@ -60,6 +60,15 @@ DAFT_INLINE void store3(daft_lanes3 *out, uint32_t at, vf3 v)
 typedef struct facet_rays {
     vf3 origin, direction, unit;
 } facet_rays;
+
+/* Lists what a tile's pixels see: their points and their rays to the sky by number of pixel, in `facets` each facet
+ * once, and in its slots each point's facet. */
+void DAFT_KERNEL(daft_tile_facets)(const daft_snapshot *snapshot, const daft_tile *tile, daft_facets *facets,
+                                   daft_batch *points, daft_ray_batch *sky);
+
+/* The same of a list of samples; where their rays go is in u and v, or in the directions' x and y. */
+void DAFT_KERNEL(daft_list_facets)(const daft_snapshot *snapshot, const daft_seen_list *list, daft_facets *facets,
+                                   daft_batch *points, daft_ray_batch *sky);
 
 /* Sets up the facets first..first + count of the list, at most DAFT_VL; adds to the list's traits. */
 void DAFT_KERNEL(daft_facets_setup)(const daft_snapshot *snapshot, daft_facets *facets, uint32_t first, uint32_t count,

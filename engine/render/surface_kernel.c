@@ -1,7 +1,7 @@
 /* Surface points from hits: position, normal, texture coordinates and ray origins, for the pixels of a tile or a batch
- * of rays. The different triangles and spheres that the rays hit are listed and set up first (facet_kernel.c). Then
- * DAFT_VL rays at a time read what was set up, by broadcast where all hit the same triangle, else by gathering rows.
- * Only what the tile's materials and the plan call for is stored.
+ * of rays. The different triangles and spheres that the rays hit are listed (visible_kernel.c) and set up
+ * (facet_kernel.c) first. Then DAFT_VL rays at a time read what was set up, by broadcast where all hit the same
+ * triangle, else by gathering rows. Only what the tile's materials and the plan call for is stored.
  *
  * Points lie where their ray meets the triangle's plane, whose normal and height are taken in double once a triangle:
  * so a point's error is a few 2^-24 of its own distance along the ray, and less across the plane, even on a triangle
@@ -392,140 +392,7 @@ static __attribute__((noinline)) void cone_footprint(const window *r, const meet
     store_footprint(r, (sort){false, false}, m, across_cone(r->direction, reach, focal), b, at);
 }
 
-/* ---- pixels ---- */
-
-enum { FINDER = 256 };
-
-/* A cache from instance and triangle to facet, by hash: a triangle of several windows is set up once. */
-typedef struct finder {
-    const daft_snapshot *snapshot;
-    daft_facets *facets;
-    uint16_t slot[FINDER];
-} finder;
-
-/* Instances may stand anywhere in memory, too; numbers of corners are what is read first of a triangle. */
-DAFT_INLINE void prefetch_facet(const daft_instance *s, uint32_t triangle)
-{
-    __builtin_prefetch(&s->to_object), __builtin_prefetch(&s->materials);
-    if (!s->mesh) return;
-    __builtin_prefetch(&s->mesh->indices[3 * (size_t)triangle]);
-    if (s->mesh->normal_indices) __builtin_prefetch(&s->mesh->normal_indices[3 * (size_t)triangle]);
-}
-
-/* No branch hangs on whether the facet is a new one, which would be guessed wrong every other time. */
-DAFT_INLINE int32_t find_slot(finder *f, uint32_t instance, uint32_t triangle)
-{
-    daft_facets *list = f->facets;
-    uint32_t hash = (triangle * 0x9e3779b1u + instance * 0x85ebca6bu) >> 24, slot = f->slot[hash], fresh = list->count;
-    bool known = (slot < fresh) & (list->instance[slot] == instance) & (list->triangle[slot] == triangle);
-    list->instance[fresh] = instance, list->triangle[fresh] = triangle;
-    list->count = fresh + !known;
-    slot = known ? slot : fresh;
-    f->slot[hash] = (uint16_t)slot;
-    prefetch_facet(&f->snapshot->instances[instance], triangle);
-    return (int32_t)slot;
-}
-
-/* Bits of the pixels of a row, from `at` on, that are the last of a run that sees one facet; `count` of them count. */
-DAFT_INLINE vbits run_ends(const daft_tile *tile, int at, int count)
-{
-    vm same = vm_and(vi_eq(vi_load(&tile->instance[at]), vi_load(&tile->instance[at + 1])),
-                     vi_eq(vi_load(&tile->triangle[at]), vi_load(&tile->triangle[at + 1])));
-    return (~vbits_from_mask(same) & vbits_first_n(count)) | (vbits)1 << (count - 1);
-}
-
-/* Pixels put into the batches, and what they see beside those that see something. A pixel's number is its place in the
- * tile. */
-typedef struct sorted {
-    const daft_tile *tile;
-    finder *finder;
-    daft_batch *points;
-    daft_ray_batch *sky;
-    int32_t *slots;
-    uint32_t seen, unseen;
-} sorted;
-
-static void sort_runs(sorted *s, int at, int count)
-{
-    int first = at;
-    for (vbits ends = run_ends(s->tile, at, count); ends; ends &= ends - 1) {
-        int end = at + __builtin_ctz(ends) + 1;
-        uint32_t instance = s->tile->instance[first], triangle = s->tile->triangle[first];
-        vi numbers = vi_iota() + vi_set(first);
-        if (instance == DAFT_NOTHING) {
-            vi_store(&s->sky->pixel[s->unseen], numbers);
-            s->unseen += (uint32_t)(end - first);
-        } else {
-            vi_store(&s->points->pixel[s->seen], numbers);
-            vi_store(&s->points->instance[s->seen], vi_set((int32_t)instance));
-            vi_store(&s->points->triangle[s->seen], vi_set((int32_t)triangle));
-            vi_store(&s->slots[s->seen], vi_set(find_slot(s->finder, instance, triangle)));
-            s->seen += (uint32_t)(end - first);
-        }
-        first = end;
-    }
-}
-
-/* DAFT_VL pixels that all have a hit; lanes of `same` share the facets of `slots`. */
-static void sort_visible(sorted *s, int at, vi instance, vi triangle, vbits same, vi slots)
-{
-    vbits ends = run_ends(s->tile, at, DAFT_VL);
-    vi_store(&s->points->pixel[s->seen], vi_iota() + vi_set(at));
-    vi_store(&s->points->instance[s->seen], instance), vi_store(&s->points->triangle[s->seen], triangle);
-    for (vbits left = ~same & DAFT_ALL_LANES; left;) {
-        int first = __builtin_ctz(left);
-        vbits before = (vbits)((1u << first) - 1), to_end = ends & ~before, run = (to_end ^ (to_end - 1)) & ~before;
-        int32_t slot = find_slot(s->finder, s->tile->instance[at + first], s->tile->triangle[at + first]);
-        slots = vi_if_then_else(vm_from_bits(run), vi_set(slot), slots);
-        left &= ~run;
-    }
-    vi_store(&s->slots[s->seen], slots);
-    s->seen += DAFT_VL;
-}
-
-/* Which of DAFT_VL pixels see what those above them see. */
-DAFT_INLINE vbits as_above(const daft_tile *tile, int at, vi instance, vi triangle)
-{
-    return vbits_from_mask(vm_and(vi_eq(instance, vi_load(&tile->instance[at - DAFT_TILE_STRIDE])),
-                                  vi_eq(triangle, vi_load(&tile->triangle[at - DAFT_TILE_STRIDE]))));
-}
-
-static void end_lists(sorted *s)
-{
-    vi_store(&s->slots[s->seen], vi_set(0)), vi_store(&s->points->pixel[s->seen], vi_set(0));
-    vi_store(&s->sky->pixel[s->unseen], vi_set(0));
-    s->points->count = s->seen, s->sky->count = s->unseen;
-}
-
-static void sort_pixels(sorted *s)
-{
-    const daft_tile *tile = s->tile;
-    uint32_t above[DAFT_TILE / DAFT_VL]; /* where the slots of the window above begin, or DAFT_NOTHING: it sees some sky
-                                          */
-    for (int i = 0; i < DAFT_TILE / DAFT_VL; i++) above[i] = DAFT_NOTHING;
-    for (int row = 0; row < tile->height; row++)
-        for (int x = 0; x < tile->width; x += DAFT_VL) {
-            int at = row * DAFT_TILE_STRIDE + x, column = x / DAFT_VL;
-            uint32_t begin = s->seen;
-            vi instance = vi_load(&tile->instance[at]), triangle = vi_load(&tile->triangle[at]);
-            bool known = above[column] != DAFT_NOTHING;
-            vbits same = known ? as_above(tile, at, instance, triangle) : 0;
-            vi slots = vi_load(&s->slots[known ? above[column] : 0]);
-            if (same == DAFT_ALL_LANES) {
-                vi_store(&s->slots[begin], slots);
-                vi_store(&s->points->pixel[begin], vi_iota() + vi_set(at));
-                vi_store(&s->points->instance[begin], instance);
-                vi_store(&s->points->triangle[begin], triangle);
-                s->seen += DAFT_VL;
-            } else if (tile->width - x >= DAFT_VL && !vbits_from_mask(vi_eq(instance, vi_set((int32_t)DAFT_NOTHING)))) {
-                sort_visible(s, at, instance, triangle, same, slots);
-            } else {
-                sort_runs(s, at, daft_min_i(DAFT_VL, tile->width - x));
-            }
-            above[column] = s->seen - begin == DAFT_VL ? begin : DAFT_NOTHING;
-        }
-    end_lists(s);
-}
+/* ---- points that the camera sees ---- */
 
 DAFT_INLINE vf3 rays_at(const daft_pencil *p, vf x, vf y)
 {
@@ -596,10 +463,7 @@ void DAFT_KERNEL(daft_surfaces)(const daft_surfaces_def *def, const daft_tile *t
 {
     const daft_pencil *p = def->pencil;
     daft_vec3 first = daft_pencil_ray(p, tile->x, tile->y);
-    finder f = {.snapshot = def->snapshot, .facets = facets};
-    sorted pixels = {tile, &f, points, sky, facets->slot, 0, 0};
-    facets->count = 0;
-    sort_pixels(&pixels);
+    DAFT_KERNEL(daft_tile_facets)(def->snapshot, tile, facets, points, sky);
     setup_visible(def->snapshot, p, facets);
     points->traits = facets->traits, points->one_material = facets->one_material;
     visible_points(def->snapshot, p, &first, facets, wants_of(facets->traits, def), points);
@@ -608,32 +472,11 @@ void DAFT_KERNEL(daft_surfaces)(const daft_surfaces_def *def, const daft_tile *t
     for (uint32_t i = 0; i < sky->count; i += DAFT_VL) store3(&sky->direction, i, pixel_rays(p, first, &sky->pixel[i]));
 }
 
-/* The list's points, with where their rays go in u and v, and its rays to the sky. */
-static void sort_list(const daft_seen_list *list, finder *f, int32_t *slots, daft_batch *points, daft_ray_batch *sky)
-{
-    uint32_t seen = 0, unseen = 0;
-    for (uint32_t i = 0; i < list->count; i++) {
-        if (list->instance[i] == DAFT_NOTHING) {
-            sky->direction.x[unseen] = list->x[i], sky->direction.y[unseen] = list->y[i];
-            sky->pixel[unseen++] = list->pixel[i];
-            continue;
-        }
-        points->u[seen] = list->x[i], points->v[seen] = list->y[i];
-        points->instance[seen] = list->instance[i], points->triangle[seen] = list->triangle[i];
-        points->pixel[seen] = list->pixel[i];
-        slots[seen++] = find_slot(f, list->instance[i], list->triangle[i]);
-    }
-    for (uint32_t i = seen; i % DAFT_VL; i++) points->u[i] = points->v[i] = 0, points->pixel[i] = 0, slots[i] = 0;
-    points->count = seen, sky->count = unseen;
-}
-
 void DAFT_KERNEL(daft_listed_surfaces)(const daft_surfaces_def *def, const daft_seen_list *list, daft_facets *facets,
                                        daft_batch *points, daft_ray_batch *sky)
 {
     const daft_pencil *p = def->pencil;
-    finder f = {.snapshot = def->snapshot, .facets = facets};
-    facets->count = 0;
-    sort_list(list, &f, facets->slot, points, sky);
+    DAFT_KERNEL(daft_list_facets)(def->snapshot, list, facets, points, sky);
     setup_visible(def->snapshot, p, facets);
     points->traits = facets->traits, points->one_material = facets->one_material;
     visible_points(def->snapshot, p, NULL, facets, wants_of(facets->traits, def), points);

@@ -63,7 +63,7 @@ static daft_vec3 mix3(daft_vec3 before, daft_vec3 now, float alpha)
                    (float)mix((double)before.z, (double)now.z, alpha));
 }
 
-daft_transform daft_transform_mix(const daft_transform *before, const daft_transform *now, float alpha)
+static daft_transform mix_transforms(const daft_transform *before, const daft_transform *now, float alpha)
 {
     if (alpha >= 1) return *now;
     if (alpha <= 0) return *before;
@@ -80,7 +80,7 @@ static void resolve(daft_scene *scene, uint32_t index, float alpha)
 {
     daft_entity_item *item = &scene->entities[index];
     daft_transform pose = item->now;
-    if (item->moved_tick == scene->tick) pose = daft_transform_mix(&item->before, &item->now, alpha);
+    if (item->moved_tick == scene->tick) pose = mix_transforms(&item->before, &item->now, alpha);
     item->world = daft_daffine_from(&pose);
     item->shown = item->def.visible;
     item->walk_stamp = scene->walk;
@@ -113,7 +113,7 @@ bool daft_entity_place(const daft_scene *scene, uint32_t index, float alpha, daf
         const daft_entity_item *item = &scene->entities[at];
         daft_transform pose = item->now;
         if (!item->def.visible) return false;
-        if (item->moved_tick == scene->tick) pose = daft_transform_mix(&item->before, &item->now, alpha);
+        if (item->moved_tick == scene->tick) pose = mix_transforms(&item->before, &item->now, alpha);
         const daft_daffine own = daft_daffine_from(&pose);
         *out = first ? own : daft_daffine_compose(&own, out);
     }

@@ -437,7 +437,6 @@ daft_daffine daft_daffine_from(const daft_transform *transform);
 daft_daffine daft_daffine_compose(const daft_daffine *outer, const daft_daffine *inner);
 /* False when it is singular or not finite. */
 bool daft_daffine_invert(const daft_daffine *a, daft_daffine *out);
-daft_transform daft_transform_mix(const daft_transform *before, const daft_transform *now, float alpha);
 /* Fills world and shown of the entity. All calls of one walk use one alpha. */
 daft_entity_item *daft_entity_world(daft_scene *scene, uint32_t index, float alpha);
 /* The same of one entity alone, without a walk. False: it or what it stands on is hidden. */

@@ -125,7 +125,7 @@ DAFT_INLINE vf pick(vm is_x, vm is_y, vf x, vf y, vf z)
     return vf_if_then_else(is_x, x, vf_if_then_else(is_y, y, z));
 }
 
-/* The faces' places and axes are those of daft_cube_face (image/cube.c). */
+/* The faces' places and axes are those of image/cube.c. */
 static void sky_cube(const daft_sky_image *image, const daft_lanes3 *direction, uint32_t count, daft_lanes3 *out)
 {
     const vf zero = vf_set(0), one = vf_set(1), half = vf_set(0.5f * (float)(image->width - 2));

@@ -413,8 +413,6 @@ void daft_world_remove(daft_world *world, uint32_t handle)
 
 /* ---- state ---- */
 
-bool daft_world_has(const daft_world *world, uint32_t handle) { return daft_sim_find(world, handle) != NULL; }
-
 uint32_t daft_world_user(const daft_world *world, uint32_t handle)
 {
     const daft_sim_body *body = daft_sim_find(world, handle);
@@ -577,24 +575,6 @@ bool daft_world_is_awake(const daft_world *world, uint32_t handle)
     return body && daft_sim_is_active(body);
 }
 
-void daft_world_set_bullet(daft_world *world, uint32_t handle, bool bullet)
-{
-    if (daft_sim_find(world, handle)) world->bodies[handle - 1].bullet = bullet;
-}
-
-void daft_world_set_damping(daft_world *world, uint32_t handle, float linear, float angular, float gravity_scale)
-{
-    if (!daft_sim_find(world, handle) || !(linear >= 0 && linear <= 1e6f) || !(angular >= 0 && angular <= 1e6f) ||
-        !(fabsf(gravity_scale) <= 1e6f))
-        return;
-    daft_sim_body *body = &world->bodies[handle - 1];
-    body->linear_damping = linear;
-    body->angular_damping = angular;
-    if (body->gravity_scale != gravity_scale && body->kind == DAFT_BODY_DYNAMIC)
-        daft_sim_body_activate(world, handle - 1);
-    body->gravity_scale = gravity_scale;
-}
-
 void daft_world_set_filter(daft_world *world, uint32_t handle, uint32_t layers, uint32_t mask)
 {
     if (!daft_sim_find(world, handle)) return;
@@ -607,19 +587,4 @@ void daft_world_set_filter(daft_world *world, uint32_t handle, uint32_t layers, 
     daft_sim_broad_remove(world, index);
     daft_sim_broad_add(world, index);
     if (world->bodies[index].kind == DAFT_BODY_DYNAMIC) daft_sim_body_activate(world, index);
-}
-
-bool daft_world_set_material(daft_world *world, uint32_t handle, const daft_sim_material *material, daft_error *error)
-{
-    if (!daft_sim_find(world, handle))
-        return daft_fail(error, DAFT_ERROR_ARGUMENT, "body: there is none of this number");
-    if (!check_material(material, error)) return false;
-    const daft_sim_body *body = &world->bodies[handle - 1];
-    for (uint32_t i = body->first_part; i != DAFT_SIM_NONE; i = world->parts[i].next)
-        world->parts[i].material = *material;
-    for (uint32_t e = body->first_pair; e != DAFT_SIM_NONE; e = world->pairs[e >> 1].next[e & 1])
-        daft_sim_pair_materials(world, &world->pairs[e >> 1]);
-    daft_sim_wake_neighbours(world, handle - 1);
-    if (body->kind == DAFT_BODY_DYNAMIC) daft_sim_body_activate(world, handle - 1);
-    return true;
 }

@@ -110,7 +110,6 @@ typedef struct daft_sim_state {
 uint32_t daft_world_add(daft_world *world, const daft_sim_body_def *def, daft_error *error);
 /* Its joints go with it. */
 void daft_world_remove(daft_world *world, uint32_t handle);
-bool daft_world_has(const daft_world *world, uint32_t body);
 uint32_t daft_world_user(const daft_world *world, uint32_t handle);
 /* For a kinematic body, the change of pose since the last step becomes its velocity in the next, in which it arrives
  * there; then it stands still. Any other body, and one that teleports, is there at once and keeps its velocity. */
@@ -128,11 +127,8 @@ void daft_world_apply_angular_impulse(daft_world *world, uint32_t handle, daft_v
 /* Waking wakes the whole island that it belongs to; so does putting to sleep, if it may. */
 void daft_world_set_awake(daft_world *world, uint32_t handle, bool awake);
 bool daft_world_is_awake(const daft_world *world, uint32_t body);
-void daft_world_set_bullet(daft_world *world, uint32_t handle, bool bullet);
-void daft_world_set_damping(daft_world *world, uint32_t handle, float linear, float angular, float gravity_scale);
 /* Of all shapes of the body; they may begin or end contacts in the next step. */
 void daft_world_set_filter(daft_world *world, uint32_t handle, uint32_t layers, uint32_t mask);
-bool daft_world_set_material(daft_world *world, uint32_t body, const daft_sim_material *material, daft_error *error);
 
 /* ---- joints ---- */
 

@@ -204,6 +204,23 @@ static bool take_option(const char *command, const cli_option *options, size_t c
     return parse_value(command, option, next);
 }
 
+static void print_help(const cli_command *command, const cli_option *options, size_t option_count)
+{
+    printf("usage: daft %s%s%s%s\n\n%s\n", command->name, command->operands[0] ? " " : "", command->operands,
+           option_count ? " [options]" : "", command->summary);
+    if (command->details) printf("%s\n", command->details);
+    printf("\noptions:\n");
+    for (size_t i = 0; i < option_count; i++) {
+        const cli_option *option = &options[i];
+        char form[64], letter[8] = "    ";
+        if (option->letter) snprintf(letter, sizeof letter, "-%c, ", option->letter);
+        snprintf(form, sizeof form, "%s--%s%s%s", letter, option->name, option->value ? " " : "",
+                 option->value ? option->value : "");
+        printf("  %-26s %s\n", form, option->help);
+    }
+    printf("  -h, --help                 print this text\n");
+}
+
 cli_outcome cli_parse(const cli_command *command, const cli_option *options, size_t option_count, int argc, char **argv,
                       const char **out_operands, size_t *out_count)
 {
@@ -214,7 +231,7 @@ cli_outcome cli_parse(const cli_command *command, const cli_option *options, siz
         if (!options_end && strcmp(text, "--") == 0) {
             options_end = true;
         } else if (!options_end && (strcmp(text, "--help") == 0 || strcmp(text, "-h") == 0)) {
-            cli_print_help(command, options, option_count);
+            print_help(command, options, option_count);
             return CLI_HELPED;
         } else if (!options_end && text[0] == '-' && text[1]) {
             if (!take_option(command->name, options, option_count, argc, argv, &i)) return CLI_REFUSED;
@@ -230,21 +247,4 @@ cli_outcome cli_parse(const cli_command *command, const cli_option *options, siz
         return CLI_REFUSED;
     }
     return CLI_READY;
-}
-
-void cli_print_help(const cli_command *command, const cli_option *options, size_t option_count)
-{
-    printf("usage: daft %s%s%s%s\n\n%s\n", command->name, command->operands[0] ? " " : "", command->operands,
-           option_count ? " [options]" : "", command->summary);
-    if (command->details) printf("%s\n", command->details);
-    printf("\noptions:\n");
-    for (size_t i = 0; i < option_count; i++) {
-        const cli_option *option = &options[i];
-        char form[64], letter[8] = "    ";
-        if (option->letter) snprintf(letter, sizeof letter, "-%c, ", option->letter);
-        snprintf(form, sizeof form, "%s--%s%s%s", letter, option->name, option->value ? " " : "",
-                 option->value ? option->value : "");
-        printf("  %-26s %s\n", form, option->help);
-    }
-    printf("  -h, --help                 print this text\n");
 }

@@ -54,7 +54,6 @@ enum { CLI_OPERANDS = 64 };
 /* Reads argv[1..argc-1] into the options' targets; operands go to out_operands, their number to *out_count. */
 cli_outcome cli_parse(const cli_command *command, const cli_option *options, size_t option_count, int argc, char **argv,
                       const char **out_operands, size_t *out_count);
-void cli_print_help(const cli_command *command, const cli_option *options, size_t option_count);
 /* Prints "daft COMMAND: message" and a pointer to --help on stderr. Returns STATUS_BAD_USAGE. */
 int cli_refuse(const char *command, const char *format, ...) __attribute__((format(printf, 2, 3)));
 

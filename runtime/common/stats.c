@@ -36,7 +36,8 @@ static int by_time(const void *a, const void *b)
     return x < y ? -1 : x > y;
 }
 
-double frame_times_quantile(const frame_times *times, double fraction)
+/* Of the times: 0.5 is the median. 0 without frames. */
+static double quantile(const frame_times *times, double fraction)
 {
     double *sorted = times->count ? malloc(times->count * sizeof *sorted) : NULL;
     if (!sorted) return 0;
@@ -90,15 +91,15 @@ static void put_counts(FILE *out, daft_struct which, daft_field_type type, const
     }
 }
 
-void stats_print_json(FILE *out, const daft_counters *c, const frame_times *times)
+static void print_json(FILE *out, const daft_counters *c, const frame_times *times)
 {
     fprintf(out, "{\n  \"width\": %d,\n  \"height\": %d,\n  \"threads\": %d,\n  \"isa\": ", c->width, c->height,
             c->threads);
     json_put_text(out, c->isa);
     fputs(",\n  \"frame_ms\": {\"median\": ", out);
-    put_number(out, frame_times_quantile(times, 0.5));
+    put_number(out, quantile(times, 0.5));
     fputs(", \"p95\": ", out);
-    put_number(out, frame_times_quantile(times, 0.95));
+    put_number(out, quantile(times, 0.95));
     fprintf(out, ", \"frames\": %zu},\n", times->count);
     fprintf(out, "  \"memory\": {\"used\": %" PRIu64 ", \"peak\": %" PRIu64 ", \"limit\": %" PRIu64 "},\n",
             times->memory.used, times->memory.peak, times->memory.limit);
@@ -122,12 +123,12 @@ void stats_print_json(FILE *out, const daft_counters *c, const frame_times *time
 bool stats_write(const char *path, const daft_counters *counters, const frame_times *times, daft_error *error)
 {
     if (strcmp(path, "-") == 0) {
-        stats_print_json(stdout, counters, times);
+        print_json(stdout, counters, times);
         return true;
     }
     draft_file out;
     if (!draft_open(&out, error)) return false;
-    stats_print_json(out.file, counters, times);
+    print_json(out.file, counters, times);
     return draft_commit(&out, path, error);
 }
 

@@ -18,15 +18,12 @@ typedef struct frame_times {
 /* `counters`: those of the frame. Drops the time when memory runs out. */
 void frame_times_add(frame_times *times, double ms, const daft_counters *counters);
 void frame_times_free(frame_times *times);
-/* The quantile of the times: 0.5 is the median. 0 without frames. */
-double frame_times_quantile(const frame_times *times, double fraction);
 
 /* {"width", "height", "threads", "isa", "frame_ms": {"median", "p95", "frames"}, "memory": {"used", "peak", "limit"},
  * "rays", "effects", "counters", "simulation"}.
  * The counters are those of the last frame, but for the effects' "mean_ms", the mean of all frames. path: "-" writes to
  * stdout. */
 bool stats_write(const char *path, const daft_counters *counters, const frame_times *times, daft_error *error);
-void stats_print_json(FILE *out, const daft_counters *counters, const frame_times *times);
 /* Prints the plan: each effect, whether it ran and why, its tiles, rays and milliseconds. */
 void stats_print_plan(FILE *out, const daft_counters *counters);
 

@@ -11,9 +11,8 @@ enum { TRACE_EVENTS = 1 << 18, TRACE_NAME = 32 }; /* 15 MB; four minutes of a ga
 
 /* Lines of the picture, one below the other. Spans of one line lie beside or within each other. */
 typedef enum trace_track {
-    TRACE_MAIN,    /* the thread that runs the game and waits for the others */
-    TRACE_EFFECTS, /* of pictures: the time of all threads, divided by their number, one after the other */
-    TRACE_TRACKS
+    TRACE_MAIN,   /* the thread that runs the game and waits for the others */
+    TRACE_EFFECTS /* of pictures: the time of all threads, divided by their number, one after the other */
 } trace_track;
 
 typedef struct tracer tracer;

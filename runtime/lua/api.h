@@ -103,8 +103,6 @@ void api_fields(lua_State *L, host *h, int index, const char *what, const char *
 bool api_field(lua_State *L, int table, const char *name);
 bool api_has_field(lua_State *L, int table, const char *name);
 
-/* Pushes the value's text, as tostring gives it to games: without addresses. */
-void api_push_text(lua_State *L, int index);
 int api_push_vec3(lua_State *L, double x, double y, double z);    /* as a table */
 int api_push_numbers(lua_State *L, double x, double y, double z); /* as three values */
 

@@ -55,7 +55,8 @@ static void push_numbered(lua_State *L, int index, const char *name)
     lua_pushfstring(L, "%s draw %I", name, known ? known : give_number(L, index, &DRAW_KEY));
 }
 
-void api_push_text(lua_State *L, int index)
+/* Pushes the value's text, as tostring gives it to games: without addresses. */
+static void push_text(lua_State *L, int index)
 {
     index = lua_absindex(L, index);
     const int type = lua_type(L, index);
@@ -79,7 +80,7 @@ void api_push_text(lua_State *L, int index)
 static int to_text(lua_State *L)
 {
     luaL_checkany(L, 1);
-    api_push_text(L, 1);
+    push_text(L, 1);
     return 1;
 }
 
@@ -96,7 +97,7 @@ static int print(lua_State *L)
     const bool quiet = h->def.quiet;
     for (int i = 1; i <= count; i++) {
         size_t length;
-        api_push_text(L, i); /* which may number an object */
+        push_text(L, i); /* which may number an object */
         const char *text = lua_tolstring(L, -1, &length);
         if (i > 1 && !quiet) write_piece(h, "\t", 1);
         if (!quiet) write_piece(h, text, length);
@@ -129,7 +130,7 @@ static int format(lua_State *L)
         if (*at == 'p')
             return luaL_error(L, "string.format: there is no %%p in games: addresses differ from run to run");
         if (++argument > count || *at != 's') continue;
-        api_push_text(L, argument);
+        push_text(L, argument);
         lua_replace(L, argument);
     }
     lua_pushvalue(L, lua_upvalueindex(1));

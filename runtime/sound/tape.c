@@ -58,9 +58,3 @@ bool tape_commit(tape *self, daft_error *error)
     daft_writer_put_at(writer, 0, header, HEADER);
     return daft_writer_commit(writer, error);
 }
-
-void tape_abandon(tape *self)
-{
-    daft_writer_abandon(self->writer);
-    self->writer = NULL;
-}

@@ -13,6 +13,5 @@ bool tape_begin(tape *out, const char *path, daft_error *error);
 void tape_put(tape *self, const int16_t *frames, uint32_t count); /* left and right by turns */
 /* Puts the file into place. False: nothing is left behind. */
 bool tape_commit(tape *self, daft_error *error);
-void tape_abandon(tape *self);
 
 #endif

@@ -105,7 +105,8 @@ static void begin(viewer *v)
     screen->set_title(screen, title);
 }
 
-void viewer_open(viewer *v, const char *path)
+/* Opens a file in place of what is shown; on failure that stays, and the message is on the screen. */
+static void open_file(viewer *v, const char *path)
 {
     daft_error error;
     content fresh;
@@ -119,7 +120,8 @@ void viewer_open(viewer *v, const char *path)
     viewer_say(v, false, "H shows the keys");
 }
 
-void viewer_reload(viewer *v)
+/* The same file again, with the camera where it is. */
+static void reload(viewer *v)
 {
     daft_error error;
     content fresh;
@@ -143,7 +145,7 @@ static void watch_file(viewer *v)
     uint64_t stamp = content_stamp(&v->content);
     bool stands = stamp == v->seen_stamp;
     v->seen_stamp = stamp;
-    if (stands && stamp != v->content.stamp) viewer_reload(v);
+    if (stands && stamp != v->content.stamp) reload(v);
 }
 
 /* ---- keys ---- */
@@ -193,7 +195,7 @@ static void save_route(viewer *v)
         say_error(v, &error);
         return;
     }
-    viewer_reload(v);
+    reload(v);
     path_base_name(v->content.path, name, sizeof name);
     viewer_say(v, false, "the path is saved: daft video %.300s -o FILE.mp4 films it", name);
 }
@@ -246,7 +248,7 @@ static void take_key(viewer *v, const char *name)
     case VIEW_LATER:
     case VIEW_SAVE: change_route(v, key->act); break;
     case VIEW_START: begin(v), v->changed = true; break;
-    case VIEW_RELOAD: viewer_reload(v); break;
+    case VIEW_RELOAD: reload(v); break;
     case VIEW_PLAN: v->plan = !v->plan; break;
     case VIEW_KEYS: v->keys = !v->keys; break;
     case VIEW_SNAPSHOT: make_start(v, false); break;
@@ -351,7 +353,7 @@ static void take_events(viewer *v)
             input_apply_queue(&v->input);
             break;
         case PLATFORM_CONSOLE: break;
-        case PLATFORM_DROP: viewer_open(v, event.path); break;
+        case PLATFORM_DROP: open_file(v, event.path); break;
         case PLATFORM_INPUT: take_input(v, &event.input); break;
         }
     }

@@ -49,10 +49,6 @@ typedef struct viewer {
 } viewer;
 
 void viewer_say(viewer *v, bool bad, const char *format, ...) __attribute__((format(printf, 3, 4)));
-/* Opens a file in place of what is shown; on failure that stays, and the message is on the screen. */
-void viewer_open(viewer *v, const char *path);
-/* The same file again, with the camera where it is. */
-void viewer_reload(viewer *v);
 /* Whether an event has come; it is kept for the next turn. */
 bool viewer_is_asked(void *viewer);
 double viewer_aspect(const viewer *v); /* height of the window / width */

@@ -145,6 +145,22 @@ static bool sort_into_cells(daft_build *build, const daft_build_grid *grid)
 
 /* ---- the top, and its tasks ---- */
 
+/* Room for so many forks in a row; a new chunk, where there is none, has `chunk` of them or more. Prims become at most
+ * two forks each. False: memory is out. */
+static bool reserve_forks(const daft_allocator *allocator, daft_build_sink *sink, size_t most, size_t chunk)
+{
+    if (sink->capacity - sink->count >= most) return true;
+    if (!daft_grow(allocator, &sink->chunks, &sink->chunk_capacity, sink->chunk_count + 1, sink->chunk_count,
+                   sizeof *sink->chunks))
+        return false;
+    sink->capacity = chunk > most ? chunk : most;
+    sink->count = 0;
+    sink->forks = daft_alloc(allocator, sink->capacity, sizeof *sink->forks);
+    sink->chunks[sink->chunk_count++] = sink->forks;
+    if (!sink->forks) sink->capacity = 0;
+    return sink->forks != NULL;
+}
+
 static bool split_cells(daft_build *build)
 {
     daft_build_branch branch = {.rule = &build->rule,
@@ -154,7 +170,7 @@ static bool split_cells(daft_build *build)
                                 .defer = true};
     daft_build_range whole = {.count = build->cell_count};
     build->kernels->measure(build->cells, &whole);
-    bool done = daft_build_reserve(build->allocator, &build->top, 2 * (size_t)build->cell_count, 0) &&
+    bool done = reserve_forks(build->allocator, &build->top, 2 * (size_t)build->cell_count, 0) &&
                 build->kernels->branch(&branch, &whole);
     build->tasks = branch.tasks, build->task_count = branch.task_count;
     uint32_t first = 0; /* tasks are in depth-first order; from cells to their prims */
@@ -180,21 +196,7 @@ static void gather_task(void *context, uint32_t index, uint32_t worker)
     build->kernels->measure(build->prims, &task->range);
 }
 
-bool daft_build_reserve(const daft_allocator *allocator, daft_build_sink *sink, size_t most, size_t chunk)
-{
-    if (sink->capacity - sink->count >= most) return true;
-    if (!daft_grow(allocator, &sink->chunks, &sink->chunk_capacity, sink->chunk_count + 1, sink->chunk_count,
-                   sizeof *sink->chunks))
-        return false;
-    sink->capacity = chunk > most ? chunk : most;
-    sink->count = 0;
-    sink->forks = daft_alloc(allocator, sink->capacity, sizeof *sink->forks);
-    sink->chunks[sink->chunk_count++] = sink->forks;
-    if (!sink->forks) sink->capacity = 0;
-    return sink->forks != NULL;
-}
-
-void daft_build_sink_free(const daft_allocator *allocator, daft_build_sink *sink)
+static void free_sink(const daft_allocator *allocator, daft_build_sink *sink)
 {
     for (size_t i = 0; i < sink->chunk_count; i++) daft_release(allocator, sink->chunks[i]);
     daft_release(allocator, sink->chunks);
@@ -208,7 +210,7 @@ static void run_task(void *context, uint32_t index, uint32_t worker)
     daft_build_branch branch = {
         .rule = &build->rule, .prims = {build->prims, build->other}, .sink = sink, .numbers = build->numbers};
     size_t chunk = daft_min_u(CHUNK, build->count / 2 / (uint32_t)daft_max_i(build->threads, 1));
-    if (!build->fixed && !daft_build_reserve(build->allocator, sink, 2 * (size_t)task->range.count, chunk)) return;
+    if (!build->fixed && !reserve_forks(build->allocator, sink, 2 * (size_t)task->range.count, chunk)) return;
     daft_build_fork *forks = sink->forks + sink->count;
     build->kernels->branch(&branch, &task->range);
     daft_build_weigh(&build->rule, forks, (size_t)(sink->forks + sink->count - forks));
@@ -221,7 +223,7 @@ static bool make_sinks(daft_build *build)
     build->sinks = daft_alloc_zero(build->allocator, build->sink_count, sizeof *build->sinks);
     if (!build->sinks) return false;
     for (size_t i = 0; i < build->task_count && build->fixed; i++)
-        if (!daft_build_reserve(build->allocator, &build->sinks[i], 2 * (size_t)build->tasks[i].range.count, 0))
+        if (!reserve_forks(build->allocator, &build->sinks[i], 2 * (size_t)build->tasks[i].range.count, 0))
             return false;
     return true;
 }
@@ -260,8 +262,8 @@ bool daft_build_run(daft_build *build)
 void daft_build_free(daft_build *build)
 {
     const daft_allocator *allocator = build->allocator;
-    for (size_t i = 0; build->sinks && i < build->sink_count; i++) daft_build_sink_free(allocator, &build->sinks[i]);
-    daft_build_sink_free(allocator, &build->top);
+    for (size_t i = 0; build->sinks && i < build->sink_count; i++) free_sink(allocator, &build->sinks[i]);
+    free_sink(allocator, &build->top);
     daft_release(allocator, build->top_nodes.items);
     daft_release(allocator, build->sinks);
     daft_release(allocator, build->tasks);

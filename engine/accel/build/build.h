@@ -155,11 +155,6 @@ void daft_build_free(daft_build *build);
 void daft_build_weigh(const daft_build_rule *rule, daft_build_fork *forks, size_t count);
 bool daft_build_collapse(daft_build *build);
 
-/* Room for so many forks in a row; a new chunk, where there is none, has `chunk` of them or more. Prims become at most
- * two forks each. False: memory is out. */
-bool daft_build_reserve(const daft_allocator *allocator, daft_build_sink *sink, size_t most, size_t chunk);
-void daft_build_sink_free(const daft_allocator *allocator, daft_build_sink *sink);
-
 /* Corners of a block whose triangles are known (mesh_bvh.c). */
 void daft_block_fill(const daft_trimesh *mesh, daft_block *block);
 

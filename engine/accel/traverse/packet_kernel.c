@@ -214,7 +214,8 @@ DAFT_INLINE bool next_child(const packet_stack *stack, int *top, vf limit, vbits
     return false;
 }
 
-DAFT_INLINE vm finite_lanes(vf3 o, vf3 d) /* daft_finite_lines */
+/* x - x is 0 for finite x and NaN for others. */
+DAFT_INLINE vm finite_lanes(vf3 o, vf3 d)
 {
     vf sum = (o.x - o.x) + (o.y - o.y) + (o.z - o.z) + (d.x - d.x) + (d.y - d.y) + (d.z - d.z);
     return vf_le(sum, vf_set(0));

@@ -307,7 +307,7 @@ void DAFT_KERNEL(daft_packet_sphere)(packet *c, uint32_t index, vbits bits)
     }
 }
 
-/* ---- what callers get: daft_finish_hit in lanes ---- */
+/* ---- what callers get: finish_hit of single_kernel.c in lanes ---- */
 
 /* The corners that the lanes hit, side by side; nothing is known of the others' lanes. */
 typedef struct corner_lanes {

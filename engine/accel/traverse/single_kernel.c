@@ -175,8 +175,8 @@ static daft_vec3 triangle_normal(const daft_instance *instance, const daft_neare
     return daft_cross(daft_sub(p[1], p[0]), daft_sub(p[2], p[0]));
 }
 
-bool DAFT_KERNEL(daft_finish_hit)(const daft_tlas *tlas, const daft_ray *ray, const daft_nearest *nearest,
-                                  daft_hit *hit)
+/* From the nearest hit to what callers get. */
+static bool finish_hit(const daft_tlas *tlas, const daft_ray *ray, const daft_nearest *nearest, daft_hit *hit)
 {
     if (nearest->instance == UINT32_MAX) {
         *hit = (daft_hit){.t = ray->tmax, .instance = UINT32_MAX};
@@ -306,7 +306,7 @@ static bool closest(const daft_tlas *tlas, const daft_ray *ray, uint32_t ignore,
         else
             upper_closest(tlas, 0, ray, ignore, &nearest);
     }
-    return DAFT_KERNEL(daft_finish_hit)(tlas, ray, &nearest, hit);
+    return finish_hit(tlas, ray, &nearest, hit);
 }
 
 enum { FAR_APART = 20000 /* instances, more than caches near the core hold */ };

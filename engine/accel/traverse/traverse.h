@@ -11,8 +11,7 @@
 DAFT_KERNEL_DECLARE(daft_accel_kernels, daft_accel);
 
 #ifdef DAFT_ISA
-/* single_kernel.c: one ray through one instance, or from a child's code downwards; and from the nearest hit to what
- * callers get. Rays are in frame space. */
+/* single_kernel.c: one ray through one instance, or from a child's code downwards. Rays are in frame space. */
 struct daft_nearest;
 struct daft_mesh_ray;
 void DAFT_KERNEL(daft_instance_closest)(const daft_tlas *tlas, uint32_t index, const daft_ray *ray,
@@ -25,8 +24,6 @@ bool DAFT_KERNEL(daft_mesh_occluded)(const daft_instance *instance, uint32_t chi
 void DAFT_KERNEL(daft_upper_closest)(const daft_tlas *tlas, uint32_t child, const daft_ray *ray, uint32_t ignore,
                                      struct daft_nearest *hit);
 bool DAFT_KERNEL(daft_upper_occluded)(const daft_tlas *tlas, uint32_t child, const daft_ray *ray);
-bool DAFT_KERNEL(daft_finish_hit)(const daft_tlas *tlas, const daft_ray *ray, const struct daft_nearest *nearest,
-                                  daft_hit *hit);
 /* Against the blocks of a leaf; `child` is its code. See daft_blocks_intersect. */
 bool DAFT_KERNEL(daft_leaf_closest)(const daft_block *blocks, uint32_t child, const struct daft_mesh_ray *r, float past,
                                     struct daft_nearest *hit);

@@ -118,8 +118,6 @@ bool daft_foreign_scenery(const daft_flattener *f, daft_obj *out);
 
 /* clips.c: fills the clips. */
 bool daft_foreign_clips(daft_flattener *f);
-/* Whether a channel of weights is about this mesh at this node. */
-bool daft_foreign_weighs(const struct aiMeshMorphAnim *channel, const struct aiNode *node, const struct aiMesh *mesh);
 
 /* material.c: one for each material of the scene. */
 bool daft_foreign_materials(const daft_foreign *from, daft_mtl_list *out);

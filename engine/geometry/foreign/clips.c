@@ -201,7 +201,8 @@ static bool names_alike(const char *a, const char *b)
     return n > 0 && n == k && memcmp(a, b, n) == 0;
 }
 
-bool daft_foreign_weighs(const struct aiMeshMorphAnim *channel, const struct aiNode *node, const struct aiMesh *mesh)
+/* Whether a channel of weights is about this mesh at this node. */
+static bool is_about(const struct aiMeshMorphAnim *channel, const struct aiNode *node, const struct aiMesh *mesh)
 {
     return names_alike(channel->mName.data, node->mName.data) || names_alike(channel->mName.data, mesh->mName.data);
 }
@@ -216,7 +217,7 @@ static bool put_shapes(maker *m, const struct aiMeshMorphAnim *channel)
         const daft_json sampler = daft_gltf_sampler(&f->gltf, node->mNumMeshes ? m->number : UINT32_MAX, i, "weights");
         for (uint32_t k = 0; k < node->mNumMeshes; k++) {
             const struct aiMesh *mesh = f->from->scene->mMeshes[node->mMeshes[k]];
-            const bool meant = mesh->mNumAnimMeshes && daft_foreign_weighs(channel, node, mesh);
+            const bool meant = mesh->mNumAnimMeshes && is_about(channel, node, mesh);
             for (uint32_t shape = 0; shape < mesh->mNumAnimMeshes; shape++, target++)
                 if (meant && !put_weights(m, channel, sampler, shape, target)) return false;
         }

@@ -190,8 +190,6 @@ const double *daft_rig_joint_matrix(const daft_rig_space *space, uint32_t joint)
     return space->joints + 12 * (size_t)joint;
 }
 
-double daft_rig_target_weight(const daft_rig_space *space, uint32_t target) { return space->weights[target]; }
-
 /* ---- vertices ---- */
 
 static void shift_all(daft_rig_points *to, const daft_rig_shift *shifts, uint32_t count, float weight)

@@ -94,15 +94,6 @@ void daft_rig_points_measure(daft_rig_points *points)
 
 /* ---- spaces ---- */
 
-size_t daft_rig_space_bytes(const daft_rig *rig)
-{
-    const size_t node = 2 * sizeof(daft_rig_local) + 12 * sizeof(double), joint = 12 * (sizeof(double) + sizeof(float)),
-                 target = 2 * sizeof(double) + sizeof(bool);
-    const size_t points = rig->target_count ? padded(rig->vertices.count) + padded(rig->normals.count) : 0;
-    return sizeof(daft_rig_space) + rig->node_count * node + rig->joint_count * joint + rig->target_count * target +
-           points * 3 * sizeof(float);
-}
-
 /* The joints and weights are the rig's. */
 static bool shifted_make(const daft_allocator *allocator, const daft_rig_points *from, daft_rig_points *out)
 {

@@ -28,7 +28,7 @@ static daft_sim_bounds stretched(const daft_sim_bounds *bounds, daft_dvec3 by)
                              daft_dadd(bounds->high, daft_sim_dmax(by, zero))};
 }
 
-daft_sim_bounds daft_sim_part_bounds(const daft_world *world, uint32_t part_index)
+static daft_sim_bounds part_bounds(const daft_world *world, uint32_t part_index)
 {
     const daft_sim_part *part = &world->parts[part_index];
     daft_rigid frame = daft_sim_part_frame(&world->bodies[part->body], part);
@@ -79,7 +79,7 @@ void daft_sim_broad_add(daft_world *world, uint32_t body_index)
     world->changes++;
     daft_sim_outlines_rest(world, body_index);
     for (uint32_t i = world->bodies[body_index].first_part; i != DAFT_SIM_NONE; i = world->parts[i].next) {
-        world->tight[i] = daft_sim_part_bounds(world, i);
+        world->tight[i] = part_bounds(world, i);
         world->slots[i] = DAFT_SIM_NONE;
         fatten(world, i, &world->tight[i], daft_dv3(0, 0, 0));
         enter(world, i);
@@ -242,7 +242,7 @@ bool daft_sim_broad_update(daft_world *world, float dt)
 
 static void settle_part(daft_world *world, uint32_t index, daft_dvec3 ahead)
 {
-    daft_sim_bounds now = daft_sim_part_bounds(world, index);
+    daft_sim_bounds now = part_bounds(world, index);
     if (has_left(&world->fat[index], &now)) widen(world, index, &now, ahead);
 }
 
@@ -266,7 +266,7 @@ void daft_sim_broad_rest(daft_world *world, uint32_t body_index)
     const daft_sim_body *body = &world->bodies[body_index];
     for (uint32_t i = body->first_part; i != DAFT_SIM_NONE; i = world->parts[i].next) {
         daft_sim_tree_remove(&world->trees[body->kind], world->parts[i].leaf);
-        daft_sim_bounds now = daft_sim_part_bounds(world, i);
+        daft_sim_bounds now = part_bounds(world, i);
         world->tight[i] = grown(&now, (double)margin_of(&world->parts[i]));
         fatten(world, i, &world->tight[i], daft_dv3(0, 0, 0));
         enter(world, i);

@@ -13,7 +13,6 @@
 /* Room for the bounds of so many parts. */
 bool daft_sim_bounds_reserve(daft_world *world, size_t parts);
 
-daft_sim_bounds daft_sim_part_bounds(const daft_world *world, uint32_t part_index);
 /* Enters the parts of a body into the tree of its kind, for which there is room, and marks them moved. */
 void daft_sim_broad_add(daft_world *world, uint32_t body_index);
 void daft_sim_broad_remove(daft_world *world, uint32_t body_index);

@@ -12,7 +12,7 @@
 #include <stdatomic.h>
 #include <string.h>
 
-const daft_sim_group_kernels *daft_sim_group_kernels_of(const daft_world *world)
+static const daft_sim_group_kernels *kernels_of(const daft_world *world)
 {
     static const daft_sim_group_kernels *const TABLE[DAFT_ISA_COUNT] = DAFT_KERNEL_TABLE(daft_sim_group);
     return TABLE[world->isa];
@@ -31,14 +31,15 @@ static float below(double x)
 }
 static float above(double x) { return -below(-x); }
 
-void daft_sim_group_box(const daft_world *world, const daft_sim_bounds *bounds, float low[3], float high[3])
+/* Bounds as groups have them. */
+static void group_box(const daft_world *world, const daft_sim_bounds *bounds, float low[3], float high[3])
 {
     daft_dvec3 a = daft_dsub(bounds->low, world->group_origin), b = daft_dsub(bounds->high, world->group_origin);
     low[0] = below(a.x), low[1] = below(a.y), low[2] = below(a.z);
     high[0] = above(b.x), high[1] = above(b.y), high[2] = above(b.z);
 }
 
-daft_sim_bounds daft_sim_group_bounds(const daft_world *world, const daft_sim_group *group)
+static daft_sim_bounds group_bounds(const daft_world *world, const daft_sim_group *group)
 {
     const float *a = group->low, *b = group->high;
     daft_dvec3 o = world->group_origin;
@@ -184,7 +185,7 @@ static void fit_group(const daft_world *world, daft_sim_group *group)
     for (uint32_t lanes = group->used; lanes; lanes &= lanes - 1) {
         uint32_t lane = (uint32_t)__builtin_ctz(lanes);
         float a[3], b[3];
-        daft_sim_group_box(world, &world->tight[group->part[lane]], a, b);
+        group_box(world, &world->tight[group->part[lane]], a, b);
         for (int axis = 0; axis < 3; axis++) {
             group->boxes.low[axis][lane] = a[axis], group->boxes.high[axis][lane] = b[axis];
             low[axis] = daft_sim_min(low[axis], a[axis]), high[axis] = daft_sim_max(high[axis], b[axis]);
@@ -360,8 +361,8 @@ static void visit_resting(void *context, uint32_t index)
     if (world->slots[index] != DAFT_SIM_NONE) return;
     const daft_sim_part *part = &world->parts[index];
     float low[3], high[3];
-    daft_sim_group_box(world, &world->tight[index], low, high);
-    uint32_t rows = daft_sim_group_kernels_of(world)->meets(&g->boxes, low, high), class = class_of(world, part);
+    group_box(world, &world->tight[index], low, high);
+    uint32_t rows = kernels_of(world)->meets(&g->boxes, low, high), class = class_of(world, part);
     for (; rows; rows &= rows - 1) {
         uint32_t row = (uint32_t)__builtin_ctz(rows);
         if (g->body[row] != part->body && g->layers[row] & part->mask && part->layers & g->mask[row] &&
@@ -375,7 +376,7 @@ static void search_among(search *s, uint32_t index, uint32_t other)
     uint32_t crossings[DAFT_SIM_CROSSINGS];
     if (!s->found->by_size && other < index) return; /* found from there */
     const daft_sim_group *group = &s->world->groups[other];
-    uint32_t count = daft_sim_group_kernels_of(s->world)->cross(s->group, group, s->found->by_size, crossings);
+    uint32_t count = kernels_of(s->world)->cross(s->group, group, s->found->by_size, crossings);
     if (s->batched + count >= BATCH) hand_over(s);
     (s->found->by_size ? take_hits_by_size : take_hits)(s, group, crossings, count);
 }
@@ -383,7 +384,7 @@ static void search_among(search *s, uint32_t index, uint32_t other)
 static void search_moving(search *s, uint32_t index)
 {
     const daft_world *world = s->world;
-    const daft_sim_group_kernels *kernels = daft_sim_group_kernels_of(world);
+    const daft_sim_group_kernels *kernels = kernels_of(world);
     uint32_t block = s->found->by_size ? 0 : index / DAFT_SIM_GROUP,
              blocks = (uint32_t)groups_of(groups_of(world->slot_count));
     for (; block < blocks && atomic_load_explicit(&s->found->count, memory_order_relaxed) <= s->found->most; block++)
@@ -402,7 +403,7 @@ static void search_group(search *s, uint32_t index)
     const daft_world *world = s->world;
     s->group = &world->groups[index];
     if (s->group->used == 0) return;
-    daft_sim_bounds bounds = daft_sim_group_bounds(world, s->group);
+    daft_sim_bounds bounds = group_bounds(world, s->group);
     search_moving(s, index);
     daft_sim_tree_query(&world->trees[DAFT_BODY_STATIC], &bounds, visit_resting, s);
     daft_sim_tree_query(&world->trees[DAFT_BODY_KINEMATIC], &bounds, visit_resting, s);

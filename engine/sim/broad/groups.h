@@ -46,9 +46,4 @@ typedef struct daft_sim_group_kernels {
 
 DAFT_KERNEL_DECLARE(daft_sim_group_kernels, daft_sim_group);
 
-const daft_sim_group_kernels *daft_sim_group_kernels_of(const daft_world *world);
-/* Bounds as groups have them. */
-void daft_sim_group_box(const daft_world *world, const daft_sim_bounds *bounds, float low[3], float high[3]);
-daft_sim_bounds daft_sim_group_bounds(const daft_world *world, const daft_sim_group *group);
-
 #endif

@@ -129,7 +129,8 @@ daft_aabb daft_bounds_in(const daft_sim_shape *s, const float r[9], daft_dvec3 p
     return (daft_aabb){daft_to_float(daft_dsub(b.low, m)), daft_to_float(daft_dadd(b.high, m))};
 }
 
-uint32_t daft_compound_query(const daft_compound *c, const daft_aabb *bounds, uint32_t from, uint32_t *child)
+/* The next child, from node `from` on, whose bounds overlap: gives the node to go on from, or UINT32_MAX. */
+static uint32_t next_child(const daft_compound *c, const daft_aabb *bounds, uint32_t from, uint32_t *child)
 {
     uint32_t end = 2 * c->count - 1;
     for (uint32_t i = from; i < end;) {
@@ -152,7 +153,7 @@ static void collide_b(job j, const daft_relpose *pose)
     daft_aabb bounds = daft_bounds_in(j.a, back.r, pose->q, j.margin);
     daft_rigid r = rigid_of(pose->r, daft_dv3(0, 0, 0));
     j.cache = NULL;
-    for (uint32_t i = 0; (i = daft_compound_query(c, &bounds, i, &j.child_b)) != UINT32_MAX;) {
+    for (uint32_t i = 0; (i = next_child(c, &bounds, i, &j.child_b)) != UINT32_MAX;) {
         const daft_child *child = &c->children[j.child_b];
         daft_rigid turned = daft_rigid_mul(&r, &child->pose);
         daft_relpose inner = {.q = daft_rigid_to_local(&child->pose, pose->q)};
@@ -181,7 +182,7 @@ static void collide_a(job j, const daft_relpose *pose)
     daft_rigid b_in_a = rigid_of(pose->r, pose->p);
     daft_aabb bounds = daft_bounds_in(j.b, pose->r, pose->p, j.margin);
     j.cache = NULL;
-    for (uint32_t i = 0; (i = daft_compound_query(c, &bounds, i, &j.child_a)) != UINT32_MAX;) {
+    for (uint32_t i = 0; (i = next_child(c, &bounds, i, &j.child_a)) != UINT32_MAX;) {
         const daft_child *child = &c->children[j.child_a];
         daft_rigid relative = daft_rigid_relative(&child->pose, &b_in_a);
         daft_relpose inner = {.p = relative.p};

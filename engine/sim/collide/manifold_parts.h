@@ -136,9 +136,6 @@ daft_axis daft_sat_strict(const daft_poly *a, const daft_poly *b, uint32_t sides
 
 /* ---- manifolds of cores (manifold_poly.c) ---- */
 
-/* The contact along one of SAT's axes: by clipping for a face, where the edges cross for edges. 0 or 1 manifolds. */
-uint32_t daft_manifold_along(const daft_poly *a, const daft_poly *b, const daft_axis *axis, float margin,
-                             daft_manifold *out);
 typedef struct daft_face_basis {
     daft_vec3 origin, u, v, n;
 } daft_face_basis;
@@ -185,7 +182,5 @@ void daft_collide_triangles(const daft_sim_shape *a, const daft_sim_shape *b, co
 
 /* Bounds of a shape whose frame is (r, p), grown by the margin and by rounding. */
 daft_aabb daft_bounds_in(const daft_sim_shape *s, const float r[9], daft_dvec3 p, float margin);
-/* The next child, from node `from` on, whose bounds overlap: gives the node to go on from, or UINT32_MAX. */
-uint32_t daft_compound_query(const daft_compound *c, const daft_aabb *bounds, uint32_t from, uint32_t *child);
 
 #endif

@@ -250,8 +250,9 @@ static uint32_t along_support(const daft_poly *a, const daft_poly *b, const daft
     return one_point(axis->normal, point, separation, 7u << 28 | best, out);
 }
 
-uint32_t daft_manifold_along(const daft_poly *a, const daft_poly *b, const daft_axis *axis, float margin,
-                             daft_manifold *out)
+/* The contact along one of SAT's axes: by clipping for a face, where the edges cross for edges. 0 or 1 manifolds. */
+static uint32_t along_axis(const daft_poly *a, const daft_poly *b, const daft_axis *axis, float margin,
+                           daft_manifold *out)
 {
     switch (axis->kind) {
     case DAFT_AXIS_FACE_A: return along_face(a, b, axis->a, false, margin, out);
@@ -370,11 +371,11 @@ uint32_t daft_collide_along(const daft_poly *a, const daft_poly *b, const daft_a
     closest c;
     if (is_round(a) && clear_of(a, b, axis->separation, &c)) return round_outside(a, b, c, true, margin, sides, out);
     if (is_round(b) && clear_of(b, a, axis->separation, &c)) return round_outside(b, a, c, false, margin, sides, out);
-    if (daft_manifold_along(a, b, axis, margin, out)) return 1;
+    if (along_axis(a, b, axis, margin, out)) return 1;
     if (!(axis->separation < 0) || axis->kind == DAFT_AXIS_NONE) return 0;
     /* A face preferred to about as good an axis may have only the air beside the other core over it. */
     daft_axis best = daft_sat_strict(a, b, sides);
-    if (daft_manifold_along(a, b, &best, margin, out)) return 1;
+    if (along_axis(a, b, &best, margin, out)) return 1;
     return best.separation < 0 && best.kind != DAFT_AXIS_NONE ? along_support(a, b, &best, out) : 0;
 }
 

@@ -14,7 +14,6 @@
 /* Makes contact pairs of all parts that are near each other, and of no others that have an active side. False when
  * memory is out. */
 bool daft_sim_pairs_find(daft_world *world);
-void daft_sim_pair_remove(daft_world *world, uint32_t pair_index);
 void daft_sim_pairs_forget(daft_world *world, uint32_t body); /* the impulses they keep */
 /* Between steps: it leaves the active list too. */
 void daft_sim_pair_drop(daft_world *world, uint32_t pair_index);

@@ -106,7 +106,7 @@ static uint32_t insert(daft_world *world, uint32_t part_a, uint32_t part_b)
 }
 
 /* Its place in the active list is cleared by who calls. */
-void daft_sim_pair_remove(daft_world *world, uint32_t pair_index)
+static void remove_pair(daft_world *world, uint32_t pair_index)
 {
     daft_sim_pair *pair = &world->pairs[pair_index];
     if (pair->touching) daft_sim_event_end(world, pair);
@@ -134,7 +134,7 @@ static void forget_entries(daft_world *world)
 
 void daft_sim_pair_drop(daft_world *world, uint32_t pair_index)
 {
-    daft_sim_pair_remove(world, pair_index);
+    remove_pair(world, pair_index);
     forget_entries(world);
 }
 
@@ -144,7 +144,7 @@ void daft_sim_pairs_remove(daft_world *world, uint32_t body)
     for (uint32_t edge = world->bodies[body].first_pair, next; edge != DAFT_SIM_NONE; edge = next) {
         next = world->pairs[edge >> 1].next[edge & 1];
         active |= world->pairs[edge >> 1].active;
-        daft_sim_pair_remove(world, edge >> 1);
+        remove_pair(world, edge >> 1);
     }
     if (active) forget_entries(world);
 }
@@ -233,7 +233,7 @@ static uint64_t *sort_near(daft_world *world)
 static void lose(daft_world *world, const daft_sim_active *entry)
 {
     if (world->slots[entry->key >> 32] != DAFT_SIM_NONE || world->slots[(uint32_t)entry->key] != DAFT_SIM_NONE)
-        daft_sim_pair_remove(world, entry->pair);
+        remove_pair(world, entry->pair);
     else
         world->pairs[entry->pair].active = false;
 }

@@ -138,14 +138,15 @@ void daft_sim_joint_link(daft_world *world, uint32_t joint_index)
     for (int side = 0; side < 2; side++) set_joined(world, world->joints[joint_index].body[side]);
 }
 
-bool daft_sim_joints_reserve(daft_world *world, size_t more)
+static bool reserve_joints(daft_world *world, size_t more)
 {
     size_t needed = (size_t)world->joint_count + more;
     return needed < INT32_MAX && daft_grow(&world->allocator, &world->joints, &world->joint_capacity, needed,
                                            world->joint_count, sizeof *world->joints);
 }
 
-uint32_t daft_sim_joint_insert(daft_world *world, const daft_sim_joint *joint)
+/* Room was reserved. */
+static uint32_t insert_joint(daft_world *world, const daft_sim_joint *joint)
 {
     uint32_t index = world->free_joint;
     if (index == DAFT_SIM_NONE)
@@ -194,7 +195,7 @@ static void forget_pairs(daft_world *world, const daft_sim_joint *joint)
 uint32_t daft_world_add_joint(daft_world *world, const daft_sim_joint_def *d, daft_error *error)
 {
     if (!check_def(world, d, error)) return 0;
-    if (!daft_sim_joints_reserve(world, 1)) {
+    if (!reserve_joints(world, 1)) {
         daft_fail_memory(error, "a joint");
         return 0;
     }
@@ -220,7 +221,7 @@ uint32_t daft_world_add_joint(daft_world *world, const daft_sim_joint_def *d, da
     place_side(world, &joint, 1, d->body_b, two ? d->anchor_b : d->anchor, frame);
     daft_dvec3 apart = daft_dsub(d->anchor_b, d->anchor);
     if (two && joint.length == 0) joint.length = (float)sqrt(daft_ddot(apart, apart));
-    uint32_t index = daft_sim_joint_insert(world, &joint);
+    uint32_t index = insert_joint(world, &joint);
     forget_pairs(world, &joint);
     for (int side = 0; side < 2; side++)
         if (joint.body[side] != DAFT_SIM_NONE && world->bodies[joint.body[side]].kind == DAFT_BODY_DYNAMIC)

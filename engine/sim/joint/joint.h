@@ -9,9 +9,7 @@
 /* ---- joint.c ---- */
 
 void daft_sim_joint_remove(daft_world *world, uint32_t joint_index, bool event);
-bool daft_sim_joints_reserve(daft_world *world, size_t more);
-void daft_sim_joint_link(daft_world *world, uint32_t joint_index);              /* for loading */
-uint32_t daft_sim_joint_insert(daft_world *world, const daft_sim_joint *joint); /* room was reserved */
+void daft_sim_joint_link(daft_world *world, uint32_t joint_index); /* for loading */
 /* Those that the last step's forces break. */
 void daft_sim_joints_break(daft_world *world);
 

@@ -7,7 +7,7 @@
 
 enum { STACK_DEPTH = 64 }; /* see tree.c */
 
-bool daft_sim_passes(const daft_world *world, uint32_t index, const daft_sim_filter *filter)
+static bool passes_filter(const daft_world *world, uint32_t index, const daft_sim_filter *filter)
 {
     const daft_sim_part *part = &world->parts[index];
     if (part->sensor && !filter->sensors) return false;
@@ -55,7 +55,7 @@ static void walk_tree(const daft_world *world, const daft_sim_tree *tree, daft_s
         if (top.enter > path->end) continue;
         const daft_sim_node *node = &tree->nodes[top.node];
         if (node->height == 0) {
-            if (daft_sim_passes(world, node->part, filter)) visit(context, node->part);
+            if (passes_filter(world, node->part, filter)) visit(context, node->part);
             continue;
         }
         bool met[2];

@@ -18,7 +18,6 @@ void daft_sim_walk(daft_world *world, daft_sim_path *path, const daft_sim_filter
                    void *context);
 /* The box around a shape in a frame, which moves so. */
 daft_sim_path daft_sim_path_of(const daft_sim_shape *shape, const daft_rigid *frame, daft_dvec3 motion);
-bool daft_sim_passes(const daft_world *world, uint32_t part, const daft_sim_filter *filter);
 /* The number of a part among those of its body. */
 uint32_t daft_sim_part_ordinal(const daft_world *world, uint32_t part);
 

@@ -253,26 +253,3 @@ float daft_shape_inner_radius(const daft_sim_shape *s, daft_vec3 from)
     }
     return least > 0 ? least : 0;
 }
-
-daft_vec3 daft_shape_support(const daft_sim_shape *s, daft_vec3 direction)
-{
-    daft_vec3 unit = daft_normalize(direction);
-    switch (s->type) {
-    case DAFT_GEOMETRY_SPHERE: return daft_scale(unit, s->radius);
-    case DAFT_GEOMETRY_CAPSULE:
-        return daft_add(daft_v3(0, direction.y < 0 ? -s->half_height : s->half_height, 0), daft_scale(unit, s->radius));
-    case DAFT_GEOMETRY_BOX:
-        return daft_v3(direction.x < 0 ? -s->half.x : s->half.x, direction.y < 0 ? -s->half.y : s->half.y,
-                       direction.z < 0 ? -s->half.z : s->half.z);
-    case DAFT_GEOMETRY_HULL: {
-        uint16_t best = 0;
-        float most = -INFINITY;
-        for (uint16_t i = 0; i < s->hull->vertex_count; i++) {
-            float d = daft_dot(s->hull->vertices[i], direction);
-            if (d > most) most = d, best = i;
-        }
-        return s->hull->vertices[best];
-    }
-    default: return daft_v3(0, 0, 0);
-    }
-}

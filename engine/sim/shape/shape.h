@@ -127,8 +127,6 @@ float daft_shape_reach(const daft_sim_shape *s, daft_vec3 from);
 /* Radius of the largest ball around `from` that fits in a convex shape, roughly (0 for others): half this is a motion
  * that cannot carry the shape's middle through a surface unseen. */
 float daft_shape_inner_radius(const daft_sim_shape *s, daft_vec3 from);
-/* The point farthest along a direction of a convex shape, local. Equal ones: the vertex with the lowest number. */
-daft_vec3 daft_shape_support(const daft_sim_shape *s, daft_vec3 direction);
 
 /* ---- mass ---- */
 

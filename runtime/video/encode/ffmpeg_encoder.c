@@ -34,7 +34,8 @@ static const char *codec_name(video_format format)
     return format == VIDEO_MP4 ? "libx264" : format == VIDEO_WEBM ? "libvpx-vp9" : "gif";
 }
 
-const AVCodec *ffmpeg_find_codec(video_format format, daft_error *error)
+/* NULL with the message. */
+static const AVCodec *find_codec(video_format format, daft_error *error)
 {
     av_log_set_level(AV_LOG_ERROR);
     const AVCodec *codec = avcodec_find_encoder_by_name(codec_name(format));
@@ -77,7 +78,7 @@ static void describe(AVCodecContext *codec, const video_def *def)
 
 AVCodecContext *ffmpeg_open_codec(const video_def *def, daft_error *error)
 {
-    const AVCodec *found = ffmpeg_find_codec(def->format, error);
+    const AVCodec *found = find_codec(def->format, error);
     if (!found) return NULL;
     AVCodecContext *codec = avcodec_alloc_context3(found);
     int code = AVERROR(ENOMEM);

@@ -156,6 +156,18 @@ static void defaults_are_in_range(void **state)
                 view.quality.edge_samples == 4 && !view.progress);
 }
 
+static void the_default_quality_is_that_of_games(void **state)
+{
+    (void)state;
+    const daft_quality game = daft_preset_quality(DAFT_PRESET_GAME);
+    daft_quality first;
+    uint8_t bytes[2][sizeof game];
+    daft_struct_default(DAFT_STRUCT_QUALITY, &first);
+    const size_t size = daft_struct_pack(DAFT_STRUCT_QUALITY, &game, bytes[0], sizeof game);
+    assert_int_equal(daft_struct_pack(DAFT_STRUCT_QUALITY, &first, bytes[1], sizeof game), size);
+    assert_memory_equal(bytes[0], bytes[1], size);
+}
+
 /* sim/ has defaults of its own, since it knows nothing of scenes. */
 static void the_simulations_defaults_are_the_same(void **state)
 {
@@ -300,6 +312,7 @@ int main(void)
         cmocka_unit_test(rows_cover_every_byte),
         cmocka_unit_test(every_field_is_described),
         cmocka_unit_test(defaults_are_in_range),
+        cmocka_unit_test(the_default_quality_is_that_of_games),
         cmocka_unit_test(the_simulations_defaults_are_the_same),
         cmocka_unit_test(what_is_out_of_range_is_refused),
         cmocka_unit_test(kinds_use_their_fields_alone),

@@ -1,4 +1,4 @@
-/* The knobs of a picture. Defaults are those of the preset game (test_quality holds the two together). */
+/* The knobs of a picture. Defaults are those of the preset game (test_fields holds the two together). */
 #include "scene/fields/fields.h"
 
 #define KNOB(m, ...)          DAFT_ROW(daft_quality, m, .lua = #m, .scene = #m, __VA_ARGS__)

@@ -1,0 +1,23 @@
+/* Maps of MTL files, as mtl.c reads them. */
+#ifndef DAFT_MTL_MAP_H
+#define DAFT_MTL_MAP_H
+
+#include "geometry/mesh.h"
+#include "geometry/formats/text.h"
+
+/* What a map's options say. */
+typedef struct daft_mtl_settings {
+    daft_mtl_change change;
+    daft_vec2 scale, offset;
+    float bump;
+    bool places, clamps; /* it has -s, -o or -clamp on */
+    bool cube;           /* a side of one: -type cube_top and so on */
+} daft_mtl_settings;
+
+/* Reads what stands behind the keyword `word` of a map, from `p` to the end of the line: its options, and its file as a
+ * path and a place in the text. False with an error at the place: an option lacks its value, or there is no file name
+ * or one that cannot be; then `out` is as it was. `error` may be NULL. */
+bool daft_mtl_map_read(daft_text *text, const daft_files *files, const char *word, const char *p,
+                       daft_mtl_settings *settings, daft_mtl_map *out, daft_error *error);
+
+#endif
