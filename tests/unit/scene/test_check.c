@@ -189,6 +189,8 @@ static void odd_scenes_are_told(void **unused)
     EXPECT_FILE("dull.scene", "camera 9 0 0\nsphere 0 0 0 2 red.mtl lights=true\nrectangle 0 0 1 1 0 0 1 1 1 1 1\n", 0,
                 ":2:16: note: it has 'lights', but its material gives off no light",
                 ":3:1: warning: the light is inside the sphere");
+    EXPECT_FILE("dark.scene", "camera 9 9 9\nmesh solid.obj 0 0 0 4 lights=true\nlight 9 8 9 1 1 1\n", 0,
+                ":2:6: note: it has 'lights', but its material gives off no light");
     EXPECT_FILE("mesh.scene", "camera 0.5 0.5 0.5\nmesh solid.obj 0 0 0 4\nlight 5 5 5 1 1 1\n", 0,
                 ":1:1: warning: the camera is inside the mesh of ");
     put("beside.scene", "camera 3.5 3.5 3.5\nmesh solid.obj 0 0 0 4\nlight 5 5 5 1 1 1\n");
