@@ -265,7 +265,7 @@ static uint32_t light_sphere(const daft_scene *scene, const daft_entity_item *it
                              daft_light_source *light)
 {
     if (!item->def.material.id) return 0;
-    light->color = scene->assets.surfaces[daft_asset_index(item->def.material.id)].emission;
+    light->color = radiance_of(scene, daft_asset_index(item->def.material.id));
     light->area = DAFT_AREA_SPHERE, light->radius = daft_world_radius(world, item->def.radius);
     return is_bright(light->color) && light->radius > 0 && daft_fits_kernels(light->position);
 }

@@ -383,6 +383,21 @@ static void materials_of_a_mesh_decide(void **unused)
         light[k] = light_at_middle(s);
         stage_drop(s);
     }
+    /* So does a ball's. */
+    write_text("glow_lamp.mtl", "newmtl plain\nKe 4 4 4\nnewmtl mapped\nKe 4 4 4\nmap_Ke glow_map.tga\n");
+    double ball[2];
+    for (int k = 0; k < 2; k++) {
+        stage *s = on_a_floor(2, NULL);
+        daft_error error = {0};
+        daft_entity_def def = daft_default_entity_def();
+        def.shape = DAFT_SHAPE_SPHERE, def.radius = 0.3f, def.position = (daft_dvec3){0, 1.5, 1}, def.lights = true;
+        def.material = daft_material_load(s->scene, k ? "glow_lamp.mtl#mapped" : "glow_lamp.mtl#plain", &error);
+        if (!def.material.id) fail_msg("%s", error.message);
+        put(s, &def);
+        ball[k] = light_at_middle(s);
+        stage_drop(s);
+    }
+    assert_true(ball[0] > 1e-2 && fabs(ball[1] / ball[0] - 0.25) < 5e-3);
     print_message("the tube %.5f, with a map %.5f, the shade %.5f\n", light[0], light[1], light[2]);
     assert_true(light[0] > 1e-3 && fabs(light[1] / light[0] - 0.25) < 5e-3);
     assert_true(light[2] > 10 * light[0]); /* 25 times the tube's area, a little farther */
