@@ -368,6 +368,11 @@ bool daft_texture_check(const daft_scene *scene, daft_texture texture, daft_erro
 /* The texture of an MTL's map, held once more: what cannot be read becomes a checker and one warning. 0: memory is out.
  */
 daft_texture daft_texture_of_map(daft_scene *scene, const daft_mtl *mtl, daft_mtl_use use, daft_error *error);
+/* The six paths of an MTL's cube; gives the side that an error is of, or the first. */
+const daft_mtl_map *daft_cube_maps(const daft_mtl *mtl, const daft_error *why, const char *paths[6]);
+/* The texture of these six images, as one all around. What cannot be read is a warning, and `out` none. False: memory
+ * is out. */
+bool daft_texture_of_cube_map(daft_scene *scene, const daft_mtl *mtl, daft_texture *out, daft_error *error);
 /* The mesh of a box of this size; counts a user. DAFT_NONE: memory is out. */
 uint32_t daft_box_acquire(daft_scene *scene, daft_vec3 size, daft_error *error);
 void daft_box_drop(daft_scene *scene, uint32_t box_index);
@@ -530,6 +535,8 @@ bool daft_light_check(const daft_light_def *def, daft_error *error);
 daft_light daft_light_insert(daft_scene *scene, const daft_light_def *def); /* room was reserved */
 void daft_sky_adopt(daft_scene *scene, daft_sky_item *item);                /* belongs to the scene from now on */
 /* Of one image, or with `count` 6 of a cube's. */
+bool daft_sky_images_read(daft_engine *engine, const char *const *paths, int count, daft_sky_image *out,
+                          daft_error *error);
 daft_sky_item *daft_sky_item_read(const daft_scene *scene, const char *const *paths, int count, daft_error *error);
 bool daft_sky_note_files(daft_scene *scene, const char *const *paths, int count, daft_error *error);
 void daft_sky_item_free(const daft_scene *scene, daft_sky_item *item); /* NULL is fine */

@@ -21,6 +21,7 @@ typedef struct reader {
     bool has_ambient, has_d, has_tr, has_map; /* in the current material */
     float tr;
     const char *first_unknown;
+    const char *cube; /* the last side of one in the current material; NULL: none */
     bool any_known;
 } reader;
 
@@ -334,7 +335,7 @@ typedef struct map_settings {
     daft_vec2 scale, offset;
     float bump;
     bool places, clamps; /* it has -s, -o or -clamp on */
-    bool cube;           /* a side of one: -type cube_top and so on */
+    int side;            /* -type: of a cube, 1 to 6; -1: a type that is none; 0: a sphere's */
 } map_settings;
 
 static const map_option *find_option(const char *at, size_t length)
@@ -359,6 +360,16 @@ static int read_numbers(const reader *r, const char **cursor, int most, double o
 
 static float finite_or(double value, float other) { return isfinite((float)value) ? (float)value : other; }
 
+static const char *const cube_sides[6] = {"cube_right",  "cube_left",  "cube_top",
+                                          "cube_bottom", "cube_front", "cube_back"};
+
+static int side_of(const char *word)
+{
+    for (int i = 0; i < 6; i++)
+        if (strncasecmp(word, cube_sides[i], strlen(cube_sides[i])) == 0) return i + 1;
+    return strncasecmp(word, "cube", 4) == 0 ? -1 : 0;
+}
+
 /* Missing numbers of -s are 1, of -o 0; the third is for solid textures. */
 static void apply_option(option_kind kind, const double n[3], int count, const char *word, map_settings *out)
 {
@@ -379,7 +390,7 @@ static void apply_option(option_kind kind, const double n[3], int count, const c
         out->scale = (daft_vec2){finite_or(n[0], 1), count > 1 ? finite_or(n[1], 1) : 1};
         out->places = true;
         break;
-    case OPTION_TYPE: out->cube = strncasecmp(word, "cube", 4) == 0; break;
+    case OPTION_TYPE: out->side = side_of(word); break;
     case OPTION_IGNORED: break;
     }
 }
@@ -530,21 +541,43 @@ static bool read_other_map(reader *r, const char *word, const char *p)
     map_settings settings;
     daft_mtl_map map = {0};
     if (!read_map(r, word, p, &settings, &map)) return false;
-    if (other_maps[k].use == DAFT_MTL_REFLECTION && settings.cube) {
-        if (r->text.log && r->text.log->checks) daft_text_warn_not_drawn(&r->text, word, length);
-        return true;
+    daft_mtl_use use = other_maps[k].use;
+    if (use == DAFT_MTL_REFLECTION && settings.side) {
+        if (settings.side < 0)
+            return daft_text_fail(&r->text, word, r->error,
+                                  "a side of a cube is cube_right, cube_left, cube_top, cube_bottom, cube_front or "
+                                  "cube_back");
+        use = (daft_mtl_use)(DAFT_MTL_CUBE + settings.side - 1), r->cube = word;
     }
-    daft_mtl_map *at = daft_mtl_map_at(r->allocator, r->current, other_maps[k].use);
+    daft_mtl_map *at = daft_mtl_map_at(r->allocator, r->current, use);
     if (!at) {
         r->out_of_memory = true;
         return false;
     }
     *at = map;
-    if (other_maps[k].use == DAFT_MTL_REFLECTION) return true; /* it lies around all, not on the surface */
-    if (other_maps[k].use == DAFT_MTL_BUMP) r->current->bump = settings.bump;
+    if (other_maps[k].use == DAFT_MTL_REFLECTION)
+        return true; /* also of a cube: it lies around all, not on the surface */
+    if (use == DAFT_MTL_BUMP) r->current->bump = settings.bump;
     place_maps(r, word, &settings, false);
-    complete_factor(r, other_maps[k].use);
+    complete_factor(r, use);
     return r->has_map = true;
+}
+
+/* A cube has six sides, or is none. */
+static void close_cube(reader *r)
+{
+    char missing[100];
+    size_t used = 0;
+    if (!r->cube || !r->current) return;
+    daft_mtl_map *sides = &r->current->maps->map[DAFT_MTL_CUBE];
+    for (int i = 0; i < 6; i++)
+        if (!sides[i].path[0])
+            used += (size_t)snprintf(missing + used, sizeof missing - used, "%s%s", used ? ", " : "", cube_sides[i]);
+    if (used > 0) {
+        daft_text_warn(&r->text, r->cube, "the cube that is mirrored lacks %s: it is left out", missing);
+        memset(sides, 0, 6 * sizeof *sides);
+    }
+    r->cube = NULL;
 }
 
 /* ---- statements ---- */
@@ -554,6 +587,7 @@ static bool read_newmtl(reader *r, const char *word, const char *p)
     size_t length;
     const char *name = daft_rest_of_line(&r->text, p, &length);
     daft_mtl material = daft_mtl_default();
+    close_cube(r);
     r->current = NULL;
     if (length == 0) daft_text_warn(&r->text, word, "this material has no name");
     if (length >= sizeof material.name || memchr(name, 0, length))
@@ -684,6 +718,7 @@ bool daft_mtl_parse(const daft_allocator *allocator, const daft_files *files, co
     if (!daft_text_check_encoding(&r.text, error)) return false;
     bool done = read_lines(&r) || daft_fail_at(error, DAFT_ERROR_MEMORY, path, 0, 0, "out of memory for the materials");
     r.error = error;
+    if (done) close_cube(&r);
     done = done && check_content(&r, before);
     if (done)
         daft_text_close(&r.text);
