@@ -517,7 +517,7 @@ typedef struct daft_entity_def {
     bool sensor;   /* collides with nothing: what enters and leaves it makes events */
     bool bullet;   /* dynamic: does not pass through fast dynamic bodies either */
     bool sleeps;   /* may; default true */
-    bool lights;   /* DAFT_SHAPE_SPHERE: what its material gives off lights what is around (not the emission map) */
+    bool lights;   /* what its material gives off lights what is around; of an emission map its mean */
 } daft_entity_def;
 
 /* Nothing that is drawn, no body: at the origin, unscaled, visible. */

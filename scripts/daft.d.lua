@@ -208,7 +208,7 @@ local voice = {}
 ---@field mirror? number The weight of the mirrored ray's light (number, 0 to 1); 0 unless given
 ---@field mirror_tint? daft.color The mirrored light is multiplied by it; {1, 1, 1} unless given
 ---@field roughness? number How rough it is where it mirrors or lets light through: 0 is smooth (Pr) (number, 0 to 1); 0 unless given
----@field emission? daft.color|number Light that it gives off by itself; it lights nothing else but from spheres with lights; 0 unless given
+---@field emission? daft.color|number Light that it gives off by itself; it lights nothing else but from entities with lights; 0 unless given
 ---@field transmission? number The fraction of the light that passes through; the rest is left to color and ambient (number, 0 to 1); 0 unless given
 ---@field transmission_tint? daft.color The light that passes is multiplied by it at each surface; with a tint_distance, along its way; {1, 1, 1} unless given
 ---@field tint_distance? number The length in which light within the body takes on transmission_tint: twice as far, the square of it; 0: each surface tints (number, m, 0 or more); 0 unless given

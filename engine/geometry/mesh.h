@@ -74,6 +74,8 @@ typedef enum daft_mtl_use {
     DAFT_MTL_METALLIC,
     DAFT_MTL_REFLECTION, /* refl -type sphere */
     DAFT_MTL_OCCLUSION,  /* map_AO */
+    DAFT_MTL_CUBE,       /* refl -type cube_right, and five more: left top bottom front back; all or none */
+    DAFT_MTL_CUBE_END = DAFT_MTL_CUBE + 5,
     DAFT_MTL_MAPS,
     DAFT_MTL_DIFFUSE = DAFT_MTL_MAPS /* the material's own */
 } daft_mtl_use;

@@ -11,6 +11,9 @@ typedef struct daft_srgb_table {
     uint8_t guess[4096 + 1]; /* the byte of light i/4096: at most a few steps below the right one */
 } daft_srgb_table;
 
+/* The texels of the equirectangular image of a cube, RGBA. */
+void daft_cube_unroll(const daft_sky_image *cube, int width, int height, uint8_t *texels);
+
 void daft_srgb_table_make(daft_srgb_table *table);
 
 /* The byte whose encoded value is nearest; halves round up. Below 0 and NaN: 0. */

@@ -4,7 +4,9 @@
  * Each face is kept with a frame of texels one wide, copies of those beside it on the other faces, so that bilinear
  * filtering on a face takes in its neighbours. Both faces at an edge then see the mean of the same two texels on it; at
  * a corner, where only three texels meet, the fourth is their mean. So there are no seams. */
+#include "image/color.h"
 #include "image/image.h"
+#include "math/trig.h"
 
 #include <math.h>
 #include <string.h>
@@ -129,4 +131,40 @@ bool daft_sky_decode_cube(const daft_allocator *allocator, const daft_image_file
     }
     frame_faces(out);
     return true;
+}
+
+/* ---- as one image all around ---- */
+
+/* Between the four texels around a direction; the frame has those beyond the face. */
+static void look(const daft_sky_image *cube, daft_dvec3 d, float out[3])
+{
+    double u, v;
+    const int side = cube->width - 2, face = face_in(d, &u, &v);
+    const float x = (float)(u * side - 0.5), y = (float)(v * side - 0.5);
+    const int left = daft_max_i(-1, daft_min_i((int)floorf(x), side - 1)),
+              top = daft_max_i(-1, daft_min_i((int)floorf(y), side - 1));
+    const float s = x - (float)left, t = y - (float)top;
+    const float *a = texel_of(cube, face, left, top), *b = texel_of(cube, face, left, top + 1);
+    for (int k = 0; k < 3; k++) {
+        const float above = a[k] + s * (a[k + 3] - a[k]), below = b[k] + s * (b[k + 3] - b[k]);
+        out[k] = above + t * (below - above);
+    }
+}
+
+void daft_cube_unroll(const daft_sky_image *cube, int width, int height, uint8_t *texels)
+{
+    const double pi = 3.14159265358979323846;
+    daft_srgb_table table;
+    daft_srgb_table_make(&table);
+    for (int y = 0; y < height; y++) {
+        const double up = pi * (0.5 - (y + 0.5) / height), level = daft_cos(up), above = daft_sin(up);
+        for (int x = 0; x < width; x++) {
+            const double around = 2 * pi * ((x + 0.5) / width - 0.5);
+            float light[3];
+            look(cube, daft_dv3(level * daft_cos(around), above, level * daft_sin(around)), light);
+            uint8_t *to = texels + 4 * ((size_t)y * (size_t)width + (size_t)x);
+            for (int k = 0; k < 3; k++) to[k] = daft_srgb_byte(&table, light[k]);
+            to[3] = 255;
+        }
+    }
 }

@@ -118,5 +118,8 @@ daft_dvec3 daft_cube_direction(int face, double x, double y);
  * may outshine the others. */
 daft_vec3 daft_sky_mean(const daft_sky_image *sky);
 void daft_sky_free(const daft_allocator *allocator, daft_sky_image *sky);
+/* A cube as one image all around, as an equirectangular sky lies: four times as wide as a face, at most 8192 texels. */
+bool daft_texture_of_cube(const daft_allocator *allocator, const daft_sky_image *cube,
+                          const daft_texture_change *change, daft_texture_data *out, daft_error *error);
 
 #endif

@@ -8,6 +8,8 @@
 
 #include <string.h>
 
+enum { MOST_AROUND = 8192 }; /* texels of a row: 170 MB with all levels */
+
 /* Along one axis a texel covers source/target >= 2 (or, at the end, 1) texels of the level before: two of them where
  * that is even, else three, the outer ones in part. */
 typedef struct taps {
@@ -239,6 +241,20 @@ bool daft_texture_decode(const daft_allocator *allocator, const daft_image_file 
     if (change) change_texels(image.pixels, (size_t)image.width * (size_t)image.height, change);
     return texture_of(allocator, &image, out, error) &&
            (!change || change->most == 0 || limit_side(allocator, change->most, out, error));
+}
+
+bool daft_texture_of_cube(const daft_allocator *allocator, const daft_sky_image *cube,
+                          const daft_texture_change *change, daft_texture_data *out, daft_error *error)
+{
+    const int width = daft_min_i(4 * (cube->width - 2), MOST_AROUND), height = width / 2;
+    const size_t count = (size_t)width * (size_t)height;
+    uint8_t *texels = daft_alloc(allocator, 4 * count, 1);
+    if (!texels) return daft_fail_memory(error, "a cube's image");
+    daft_cube_unroll(cube, width, height, texels);
+    change_texels(texels, count, change);
+    const bool done = daft_texture_build(allocator, texels, width, height, out, error);
+    daft_release(allocator, texels);
+    return done && (change->most == 0 || limit_side(allocator, change->most, out, error));
 }
 
 bool daft_texture_missing(const daft_allocator *allocator, daft_texture_data *out, daft_error *error)

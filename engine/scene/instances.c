@@ -66,7 +66,7 @@ float daft_world_radius(const daft_daffine *world, float radius)
     return (float)(sqrt(m[0] * m[0] + m[3] * m[3] + m[6] * m[6]) * (double)radius);
 }
 
-static daft_mesh_item *shape_of(const daft_scene *scene, const daft_entity_item *item)
+daft_mesh_item *daft_entity_shape(const daft_scene *scene, const daft_entity_item *item)
 {
     switch (item->def.shape) {
     case DAFT_SHAPE_MESH: return scene->assets.meshes[daft_asset_index(item->def.mesh.id)];
@@ -159,7 +159,7 @@ static bool list_posed(maker *m, uint32_t index)
 {
     const daft_entity_item *item = daft_entity_world(m->scene, index, m->alpha);
     daft_vec3 low, high;
-    daft_animated_bounds(item->animated, shape_of(m->scene, item)->rig, &low, &high);
+    daft_animated_bounds(item->animated, daft_entity_shape(m->scene, item)->rig, &low, &high);
     const bool seen = !m->sight || daft_sight_has(m->scene, m->sight, item, low, high);
     if (seen) m->posed[m->posed_count++] = index;
     m->unseen += !seen;
@@ -198,7 +198,7 @@ static bool list_entity(maker *m, uint32_t index)
     if (!scene->entity_slots.items[index].live || item->def.shape == DAFT_SHAPE_NONE || !item->def.visible) return true;
     if (item->parent != DAFT_NONE && !daft_entity_world(scene, index, m->alpha)->shown) return true;
     if (item->animated && !list_posed(m, index)) return true;
-    daft_mesh_item *shape = shape_of(scene, item);
+    daft_mesh_item *shape = daft_entity_shape(scene, item);
     m->entities[m->count++] = index;
     if (repeats(item, shape) && !repeat_material(m, daft_asset_index(item->def.material.id))) return false;
     if (m->opacity) m->opacity[m->count - 1] = opacity_of(m, item, shape);
@@ -250,7 +250,7 @@ static void place_entity(const maker *m, uint32_t i)
     daft_scene *scene = m->scene;
     const daft_entity_item *item = daft_entity_world(scene, m->entities[i], m->alpha);
     daft_instance *instance = &m->instances[i];
-    const daft_mesh_item *shape = shape_of(scene, item);
+    const daft_mesh_item *shape = daft_entity_shape(scene, item);
     *instance =
         (daft_instance){.entity = daft_slots_handle(&scene->entity_slots, m->entities[i]), .order = m->entities[i]};
     m->fits[i] = place(&item->world, m->origin, instance);
@@ -289,7 +289,7 @@ static void warn_once(daft_scene *scene, daft_entity_item *item, uint32_t id)
 static bool need_kdtrees(const maker *m, daft_error *error)
 {
     for (uint32_t i = 0; i < m->count; i++) {
-        daft_mesh_item *shape = shape_of(m->scene, &m->scene->entities[m->entities[i]]);
+        daft_mesh_item *shape = daft_entity_shape(m->scene, &m->scene->entities[m->entities[i]]);
         if (shape && !daft_mesh_need_kdtree(m->scene, shape, error)) return false;
     }
     return true;

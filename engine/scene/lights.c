@@ -164,21 +164,27 @@ bool daft_scene_set_exposure(daft_scene *scene, const daft_exposure *exposure, d
 
 daft_exposure daft_scene_exposure(const daft_scene *scene) { return scene ? scene->exposure : daft_default_exposure(); }
 
-daft_sky_item *daft_sky_item_read(const daft_scene *scene, const char *const *paths, int count, daft_error *error)
+bool daft_sky_images_read(daft_engine *engine, const char *const *paths, int count, daft_sky_image *out,
+                          daft_error *error)
 {
     daft_image_file files[6];
     char *bytes[6] = {NULL};
-    daft_sky_item *item = daft_alloc_zero(scene->allocator, 1, sizeof *item);
-    bool done = item || daft_fail_memory(error, "a sky");
+    bool done = true;
     for (int i = 0; done && i < count; i++) {
         files[i] = (daft_image_file){.path = paths[i]};
-        files[i].bytes = bytes[i] =
-            daft_file_read(scene->allocator, scene->engine->files, paths[i], &files[i].size, error);
+        files[i].bytes = bytes[i] = daft_file_read(&engine->allocator, engine->files, paths[i], &files[i].size, error);
         done = bytes[i] != NULL;
     }
-    done = done && daft_sky_share(&scene->engine->images, scene->allocator, files, count, &item->image, error);
-    for (int i = 0; i < count; i++) daft_release(scene->allocator, bytes[i]);
-    if (done) return item;
+    done = done && daft_sky_share(&engine->images, &engine->allocator, files, count, out, error);
+    for (int i = 0; i < count; i++) daft_release(&engine->allocator, bytes[i]);
+    return done;
+}
+
+daft_sky_item *daft_sky_item_read(const daft_scene *scene, const char *const *paths, int count, daft_error *error)
+{
+    daft_sky_item *item = daft_alloc_zero(scene->allocator, 1, sizeof *item);
+    if (!item) daft_fail_memory(error, "a sky");
+    if (item && daft_sky_images_read(scene->engine, paths, count, &item->image, error)) return item;
     daft_release(scene->allocator, item);
     return NULL;
 }

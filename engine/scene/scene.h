@@ -61,6 +61,8 @@ typedef struct daft_opacity_set {
     uint8_t classes[];   /* DAFT_OPACITY_… */
 } daft_opacity_set;
 
+typedef struct daft_glow daft_glow;
+
 typedef struct daft_mesh_item {
     daft_retired retired;
     uint64_t revision; /* the engine's, when it was made */
@@ -73,6 +75,7 @@ typedef struct daft_mesh_item {
     daft_rig *rig;             /* NULL: it has no clips */
     daft_scenery scenery;      /* of its file */
     daft_opacity_set *opacity; /* a list; NULL: no picture has shown it in a material with alpha */
+    daft_glow *glow;           /* of each slot (glow.c); NULL: no entity has asked that it lights */
 } daft_mesh_item;
 
 /* A box's mesh, shared by the entities of the same size, gone with the last of them. */
@@ -365,6 +368,11 @@ bool daft_texture_check(const daft_scene *scene, daft_texture texture, daft_erro
 /* The texture of an MTL's map, held once more: what cannot be read becomes a checker and one warning. 0: memory is out.
  */
 daft_texture daft_texture_of_map(daft_scene *scene, const daft_mtl *mtl, daft_mtl_use use, daft_error *error);
+/* The six paths of an MTL's cube; gives the side that an error is of, or the first. */
+const daft_mtl_map *daft_cube_maps(const daft_mtl *mtl, const daft_error *why, const char *paths[6]);
+/* The texture of these six images, as one all around. What cannot be read is a warning, and `out` none. False: memory
+ * is out. */
+bool daft_texture_of_cube_map(daft_scene *scene, const daft_mtl *mtl, daft_texture *out, daft_error *error);
 /* The mesh of a box of this size; counts a user. DAFT_NONE: memory is out. */
 uint32_t daft_box_acquire(daft_scene *scene, daft_vec3 size, daft_error *error);
 void daft_box_drop(daft_scene *scene, uint32_t box_index);
@@ -510,6 +518,15 @@ bool daft_sight_has(const daft_scene *scene, const daft_sight *sight, const daft
 daft_camera daft_scenery_camera(const daft_obj_camera *camera, const daft_daffine *at);
 daft_light_def daft_scenery_light(const daft_obj_light *light, const daft_daffine *at);
 
+/* ---- glow.c ---- */
+
+enum { DAFT_GLOW_LIGHTS = 6 };
+/* What an entity with `lights` lights with, about the picture's origin. False: memory is out. */
+bool daft_glow_lights(const daft_scene *scene, uint32_t index, float alpha, daft_dvec3 origin,
+                      daft_light_source lights[DAFT_GLOW_LIGHTS], uint32_t *count, daft_error *error);
+/* Whether a material, or without one some of the shape's own, gives off light. `shape` NULL: a sphere. */
+bool daft_glow_is_some(const daft_scene *scene, daft_material material, const daft_mesh_item *shape);
+
 /* ---- lights.c, camera.c ---- */
 
 bool daft_lights_reserve(daft_scene *scene, uint32_t more, daft_error *error);
@@ -517,6 +534,8 @@ bool daft_light_check(const daft_light_def *def, daft_error *error);
 daft_light daft_light_insert(daft_scene *scene, const daft_light_def *def); /* room was reserved */
 void daft_sky_adopt(daft_scene *scene, daft_sky_item *item);                /* belongs to the scene from now on */
 /* Of one image, or with `count` 6 of a cube's. */
+bool daft_sky_images_read(daft_engine *engine, const char *const *paths, int count, daft_sky_image *out,
+                          daft_error *error);
 daft_sky_item *daft_sky_item_read(const daft_scene *scene, const char *const *paths, int count, daft_error *error);
 bool daft_sky_note_files(daft_scene *scene, const char *const *paths, int count, daft_error *error);
 void daft_sky_item_free(const daft_scene *scene, daft_sky_item *item); /* NULL is fine */
@@ -578,6 +597,8 @@ bool daft_snapshot_instances(daft_scene *scene, daft_listing *listing, daft_erro
 float daft_world_radius(const daft_daffine *world, float radius);
 /* Whether a point of the frame is one that kernels can work with. */
 bool daft_fits_kernels(daft_vec3 point);
+/* The mesh that an entity shows, a box's included. NULL: it shows none. */
+daft_mesh_item *daft_entity_shape(const daft_scene *scene, const daft_entity_item *item);
 bool daft_snapshot_fill(daft_scene *scene, const daft_view *view, int width, int height, daft_scene_frame *frame,
                         daft_error *error);
 

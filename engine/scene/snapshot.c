@@ -51,31 +51,12 @@ static bool make_light(const daft_light_def *def, daft_dvec3 origin, daft_light_
     return daft_fits_kernels(light->position);
 }
 
-/* Of a sphere whose material gives off light. False: it lights nothing. */
-static bool make_sphere(const daft_scene *scene, uint32_t index, const daft_view *view, daft_light_source *light)
-{
-    const daft_entity_item *item = &scene->entities[index];
-    daft_daffine world;
-    if (item->def.shape != DAFT_SHAPE_SPHERE || !item->def.material.id ||
-        !daft_entity_place(scene, index, view->alpha, &world))
-        return false;
-    const daft_vec3 color = scene->assets.surfaces[daft_asset_index(item->def.material.id)].emission;
-    *light = (daft_light_source){
-        .area = DAFT_AREA_SPHERE,
-        .casts_shadow = true,
-        .color = color,
-        .position = daft_to_float(daft_dsub(daft_dv3(world.t[0], world.t[1], world.t[2]), view->camera.position)),
-        .radius = daft_world_radius(&world, item->def.radius),
-        .entity = daft_slots_handle(&scene->entity_slots, index)};
-    return (color.x > 0 || color.y > 0 || color.z > 0) && light->radius > 0 && daft_fits_kernels(light->position);
-}
-
 static bool fill_lights(daft_scene *scene, const daft_view *view, daft_scene_frame *frame, daft_error *error)
 {
     daft_snapshot *s = &frame->snapshot;
     daft_arena_reset(&frame->lights);
     daft_light_source *lights =
-        daft_arena_alloc(&frame->lights, scene->light_slots.live + scene->glowing, sizeof *lights);
+        daft_arena_alloc(&frame->lights, scene->light_slots.live + DAFT_GLOW_LIGHTS * scene->glowing, sizeof *lights);
     if (!lights) return daft_fail_memory(error, "a snapshot's lights");
     const daft_dvec3 origin = view->camera.position;
     uint32_t slots = view->without & DAFT_WITHOUT_SHADING ? 0 : scene->light_slots.count;
@@ -86,8 +67,9 @@ static bool fill_lights(daft_scene *scene, const daft_view *view, daft_scene_fra
     uint32_t left = view->without & DAFT_WITHOUT_SHADING ? 0 : scene->glowing;
     for (uint32_t i = 0; left > 0; i++) {
         if (!scene->entity_slots.items[i].live || !scene->entities[i].def.lights) continue;
-        s->light_count += make_sphere(scene, i, view, &lights[s->light_count]);
-        left--;
+        uint32_t count;
+        if (!daft_glow_lights(scene, i, view->alpha, origin, &lights[s->light_count], &count, error)) return false;
+        s->light_count += count, left--;
     }
     s->lights = lights;
     return true;

@@ -108,7 +108,10 @@ typedef struct daft_light_source {
     float cone_cosine, cone_scale; /* spot: cosine of the outer angle; 1 / (cosine of the inner angle - cone_cosine) */
     daft_area area;
     daft_vec3 edges[2]; /* rectangle: its sides in full; their product points against its direction */
-    uint32_t entity;    /* sphere: whose it is, which is no occluder of its own light and is seen in mirrors */
+    uint32_t entity;    /* whose it is, which is no occluder of its own light and is seen in mirrors; 0: nobody's */
+    /* Of an entity that the area stands in for: rays end before its bounds, and do not light it. */
+    bool bounded;
+    daft_vec3 bounds_middle, bounds_axes[3]; /* products of these and the way from the middle: -1 to 1 within */
 } daft_light_source;
 
 /* Fog as its kernel reads it, in frame space. */

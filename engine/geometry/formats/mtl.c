@@ -21,6 +21,7 @@ typedef struct reader {
     bool has_ambient, has_d, has_tr, has_map; /* in the current material */
     float tr;
     const char *first_unknown;
+    const char *cube; /* the last side of one in the current material; NULL: none */
     bool any_known;
 } reader;
 
@@ -357,21 +358,44 @@ static bool read_other_map(reader *r, const char *word, const char *p)
     daft_mtl_settings settings;
     daft_mtl_map map = {0};
     if (!daft_mtl_map_read(&r->text, r->files, word, p, &settings, &map, r->error)) return false;
-    if (other_maps[k].use == DAFT_MTL_REFLECTION && settings.cube) {
-        if (r->text.log && r->text.log->checks) daft_text_warn_not_drawn(&r->text, word, length);
-        return true;
+    daft_mtl_use use = other_maps[k].use;
+    if (use == DAFT_MTL_REFLECTION && settings.side) {
+        if (settings.side < 0)
+            return daft_text_fail(&r->text, word, r->error,
+                                  "a side of a cube is cube_right, cube_left, cube_top, cube_bottom, cube_front or "
+                                  "cube_back");
+        use = (daft_mtl_use)(DAFT_MTL_CUBE + settings.side - 1), r->cube = word;
     }
-    daft_mtl_map *at = daft_mtl_map_at(r->allocator, r->current, other_maps[k].use);
+    daft_mtl_map *at = daft_mtl_map_at(r->allocator, r->current, use);
     if (!at) {
         r->out_of_memory = true;
         return false;
     }
     *at = map;
-    if (other_maps[k].use == DAFT_MTL_REFLECTION) return true; /* it lies around all, not on the surface */
-    if (other_maps[k].use == DAFT_MTL_BUMP) r->current->bump = settings.bump;
+    if (other_maps[k].use == DAFT_MTL_REFLECTION)
+        return true; /* also of a cube: it lies around all, not on the surface */
+    if (use == DAFT_MTL_BUMP) r->current->bump = settings.bump;
     place_maps(r, word, &settings, false);
-    complete_factor(r, other_maps[k].use);
+    complete_factor(r, use);
     return r->has_map = true;
+}
+
+/* A cube has six sides, or is none. */
+static void close_cube(reader *r)
+{
+    char missing[100];
+    size_t used = 0;
+    if (!r->cube || !r->current) return;
+    daft_mtl_map *sides = &r->current->maps->map[DAFT_MTL_CUBE];
+    for (int i = 0; i < 6; i++)
+        if (!sides[i].path[0])
+            used += (size_t)snprintf(missing + used, sizeof missing - used, "%s%s", used ? ", " : "",
+                                     daft_mtl_cube_sides[i]);
+    if (used > 0) {
+        daft_text_warn(&r->text, r->cube, "the cube that is mirrored lacks %s: it is left out", missing);
+        memset(sides, 0, 6 * sizeof *sides);
+    }
+    r->cube = NULL;
 }
 
 /* ---- statements ---- */
@@ -381,6 +405,7 @@ static bool read_newmtl(reader *r, const char *word, const char *p)
     size_t length;
     const char *name = daft_rest_of_line(&r->text, p, &length);
     daft_mtl material = daft_mtl_default();
+    close_cube(r);
     r->current = NULL;
     if (length == 0) daft_text_warn(&r->text, word, "this material has no name");
     if (length >= sizeof material.name || memchr(name, 0, length))
@@ -511,6 +536,7 @@ bool daft_mtl_parse(const daft_allocator *allocator, const daft_files *files, co
     if (!daft_text_check_encoding(&r.text, error)) return false;
     bool done = read_lines(&r) || daft_fail_at(error, DAFT_ERROR_MEMORY, path, 0, 0, "out of memory for the materials");
     r.error = error;
+    if (done) close_cube(&r);
     done = done && check_content(&r, before);
     if (done)
         daft_text_close(&r.text);

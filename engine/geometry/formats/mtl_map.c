@@ -62,6 +62,16 @@ static int read_numbers(const daft_text *text, const char **cursor, int most, do
 
 static float finite_or(double value, float other) { return isfinite((float)value) ? (float)value : other; }
 
+const char *const daft_mtl_cube_sides[6] = {"cube_right",  "cube_left",  "cube_top",
+                                            "cube_bottom", "cube_front", "cube_back"};
+
+static int side_of(const char *word)
+{
+    for (int i = 0; i < 6; i++)
+        if (strncasecmp(word, daft_mtl_cube_sides[i], strlen(daft_mtl_cube_sides[i])) == 0) return i + 1;
+    return strncasecmp(word, "cube", 4) == 0 ? -1 : 0;
+}
+
 /* Missing numbers of -s are 1, of -o 0; the third is for solid textures. */
 static void apply_option(option_kind kind, const double n[3], int count, const char *word, daft_mtl_settings *out)
 {
@@ -82,7 +92,7 @@ static void apply_option(option_kind kind, const double n[3], int count, const c
         out->scale = (daft_vec2){finite_or(n[0], 1), count > 1 ? finite_or(n[1], 1) : 1};
         out->places = true;
         break;
-    case OPTION_TYPE: out->cube = strncasecmp(word, "cube", 4) == 0; break;
+    case OPTION_TYPE: out->side = side_of(word); break;
     case OPTION_IGNORED: break;
     }
 }

@@ -11,8 +11,11 @@ typedef struct daft_mtl_settings {
     daft_vec2 scale, offset;
     float bump;
     bool places, clamps; /* it has -s, -o or -clamp on */
-    bool cube;           /* a side of one: -type cube_top and so on */
+    int side;            /* -type: of a cube, 1 to 6; -1: a type that is none; 0: a sphere's */
 } daft_mtl_settings;
+
+/* What -type says of them, by their numbers less 1. */
+extern const char *const daft_mtl_cube_sides[6];
 
 /* Reads what stands behind the keyword `word` of a map, from `p` to the end of the line: its options, and its file as a
  * path and a place in the text. False with an error at the place: an option lacks its value, or there is no file name

@@ -84,6 +84,21 @@ static float sphere_ray(const daft_light_source *light, daft_vec3 n, float part,
     return fmaxf(daft_dot(ray->direction, n), 0);
 }
 
+/* Ends the ray before the bounds of what glows, where it comes to them. */
+static void end_before_bounds(const daft_light_source *light, daft_ray *ray)
+{
+    const daft_vec3 from = daft_sub(ray->origin, light->bounds_middle);
+    float first = 0, last = ray->tmax;
+    for (int k = 0; k < 3; k++) {
+        const float at = daft_dot(light->bounds_axes[k], from), by = daft_dot(light->bounds_axes[k], ray->direction);
+        if (fabsf(at) > 1 && at * by >= 0) return;
+        if (by == 0) continue;
+        const float a = (-1 - at) / by, b = (1 - at) / by;
+        first = fmaxf(first, fminf(a, b)), last = fminf(last, fmaxf(a, b));
+    }
+    if (first <= last) ray->tmax = first;
+}
+
 /* Place `k` of `count`; of 0: the middle. */
 static float place_ray(const tile_job *j, const daft_light_source *light, daft_vec3 n, daft_dice d, uint32_t k,
                        uint32_t count, daft_ray *ray)
@@ -133,7 +148,9 @@ static float area_ray(const tile_job *j, const daft_batch *points, uint32_t i, c
     uint32_t p = 0;
     while (p + 1 < places && !(at < upto[p])) p++;
     *ray = all[p];
-    return sum > 0 ? sum : sliver_ray(light, n, d, ray);
+    if (!(sum > 0)) sum = sliver_ray(light, n, d, ray);
+    if (light->bounded) end_before_bounds(light, ray);
+    return sum;
 }
 
 /* More of them where the surface faces (Malley's method: points of the disc, raised to the hemisphere); those that

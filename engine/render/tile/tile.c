@@ -89,6 +89,19 @@ static bool may_reach(const daft_light_source *light, const surroundings *w)
     return !(across * cosine - along * sine > slack); /* a NaN may reach */
 }
 
+/* What glows does not light itself: the stand-in of its shape would, where it lies within. False: no point is left. */
+static bool skip_own(const tile_job *j, const daft_batch *points, const daft_light_source *light)
+{
+    uint32_t *lit = j->s->lit, some = 0;
+    for (uint32_t i = 0; light->bounded && i < points->count; i++) {
+        const daft_vec3 e = j->snapshot->materials[points->material[i]].emission;
+        const bool own = j->snapshot->instances[points->instance[i]].entity == light->entity;
+        if (own && (e.x > 0 || e.y > 0 || e.z > 0)) lit[i / 32] &= ~(1u << (i % 32));
+        some |= lit[i / 32];
+    }
+    return !light->bounded || some;
+}
+
 /* What the points, `depth` surfaces away, have of their textures and maps. */
 static void read_maps(tile_job *j, daft_batch *points, int depth)
 {
@@ -120,7 +133,7 @@ static void light_points(tile_job *j, daft_batch *points, int depth)
     for (uint32_t i = 0; i < snapshot->light_count; i++) {
         const daft_light_source *light = &snapshot->lights[i];
         if (!may_reach(light, &around)) continue;
-        if (j->r->shade->facing(points, light, j->s->lit) == 0) continue;
+        if (j->r->shade->facing(points, light, j->s->lit) == 0 || !skip_own(j, points, light)) continue;
         daft_tile_skip_holes(points, j->s->lit);
         ran(j, DAFT_EFFECT_LIGHTING);
         book(j, DAFT_EFFECT_LIGHTING);

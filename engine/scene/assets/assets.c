@@ -27,6 +27,7 @@ static void mesh_free(const daft_scene *scene, daft_mesh_item *item)
     daft_rig_free(scene->allocator, item->rig);
     daft_scenery_free(scene->allocator, &item->scenery);
     daft_opacity_free(scene, item);
+    daft_release(scene->allocator, item->glow);
     daft_release(scene->allocator, item->materials);
     daft_release(scene->allocator, item->path);
     daft_release(scene->allocator, item);
@@ -296,6 +297,8 @@ bool daft_mesh_set_positions(daft_scene *scene, daft_mesh mesh, const daft_vec3 
                          "the mesh's triangles are what a body is made of: they do not move");
     if (daft_frame_is_taken(scene)) item = mesh_replace(scene, mesh, error);
     if (!item || !daft_trimesh_deform(scene->allocator, &item->mesh, positions, normals, error)) return false;
+    daft_release(scene->allocator, item->glow);
+    item->glow = NULL;
     const daft_bvh_def def = mesh_tree(scene);
     if (daft_bvh_update(item->bvh, &item->mesh, &def)) scene->counters.mesh_builds++;
     daft_kdtree_free(item->kdtree);
@@ -597,6 +600,54 @@ daft_texture daft_texture_of_map(daft_scene *scene, const daft_mtl *mtl, daft_mt
         daft_warn_at(&scene->engine->log, why.code, mtl->file, map.line, map.column,
                      "a checker stands in for the texture %s: %s", map.path, why.message);
     return texture;
+}
+
+const daft_mtl_map *daft_cube_maps(const daft_mtl *mtl, const daft_error *why, const char *paths[6])
+{
+    const daft_mtl_map *at = &mtl->maps->map[DAFT_MTL_CUBE], *bad = at;
+    for (int i = 0; i < 6; i++) {
+        paths[i] = at[i].path;
+        if (why && strcmp(why->file, paths[i]) == 0) bad = &at[i];
+    }
+    return bad;
+}
+
+bool daft_texture_of_cube_map(daft_scene *scene, const daft_mtl *mtl, daft_texture *out, daft_error *error)
+{
+    const char *paths[6];
+    const daft_mtl_map *first = daft_cube_maps(mtl, NULL, paths);
+    const daft_texture_change change = change_of(&first->change);
+    uint64_t hash = daft_hash(&change.channel, 1, 0);
+    const float numbers[] = {change.base, change.gain, (float)change.most};
+    hash = daft_hash(numbers, sizeof numbers, hash);
+    for (int i = 0; i < 6; i++) hash = daft_hash(paths[i], strlen(paths[i]) + 1, hash);
+    char name[1100];
+    snprintf(name, sizeof name, "%.1023s|cube %016llx", paths[0], (unsigned long long)hash);
+    const uint32_t cached = texture_cached(scene, name, daft_path_hash(name));
+    *out = cached ? texture_hold(scene, cached) : (daft_texture){0};
+    if (cached) return true;
+
+    daft_sky_image cube;
+    daft_texture_data data = {0};
+    daft_texture_key key = {0};
+    daft_error why = {0};
+    bool done = daft_sky_images_read(scene->engine, paths, 6, &cube, &why);
+    if (done) {
+        done = daft_texture_of_cube(scene->allocator, &cube, &change, &data, &why);
+        daft_sky_free(scene->allocator, &cube);
+    }
+    if (done) {
+        *out = texture_add(scene, name, paths[0], &key, &data, error);
+        return out->id && daft_sky_note_files(scene, paths, 6, error);
+    }
+    if (why.code == DAFT_ERROR_MEMORY) {
+        if (error) *error = why;
+        return false;
+    }
+    const daft_mtl_map *bad = daft_cube_maps(mtl, &why, paths);
+    daft_warn_at(&scene->engine->log, why.code, mtl->file, bad->line, bad->column,
+                 "the cube that is mirrored is left out: %s: %s", bad->path, why.message);
+    return true;
 }
 
 bool daft_texture_check(const daft_scene *scene, daft_texture texture, daft_error *error)

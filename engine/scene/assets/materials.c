@@ -300,7 +300,7 @@ static void illuminate(const daft_mtl *mtl, daft_material_def *def)
 
 static daft_texture *map_field(daft_material_def *def, int use)
 {
-    daft_texture *const fields[DAFT_MTL_MAPS] = {
+    daft_texture *const fields[DAFT_MTL_CUBE] = {
         [DAFT_MTL_AMBIENT] = &def->ambient_map,    [DAFT_MTL_SPECULAR] = &def->specular_map,
         [DAFT_MTL_EMISSION] = &def->emission_map,  [DAFT_MTL_SHININESS] = &def->shininess_map,
         [DAFT_MTL_ALPHA] = &def->alpha_map,        [DAFT_MTL_BUMP] = &def->bump_map,
@@ -320,14 +320,17 @@ static void release_maps(daft_scene *scene, const daft_material_def *def)
 
 static bool load_maps(daft_scene *scene, const daft_mtl *mtl, daft_material_def *def, daft_error *error)
 {
-    for (int i = 0; mtl->maps && i < DAFT_MTL_MAPS; i++) {
+    for (int i = 0; mtl->maps && i < DAFT_MTL_CUBE; i++) {
         if (!mtl->maps->map[i].path[0]) continue;
         *map_field(def, i) = daft_texture_of_map(scene, mtl, (daft_mtl_use)i, error);
         if (map_field(def, i)->id) continue;
         release_maps(scene, def);
         return false;
     }
-    return true;
+    const bool cube = mtl->maps && mtl->maps->map[DAFT_MTL_CUBE].path[0] && !def->reflection_map.id;
+    if (!cube || daft_texture_of_cube_map(scene, mtl, &def->reflection_map, error)) return true;
+    release_maps(scene, def);
+    return false;
 }
 
 /* A map_d is a mask if nearly all of it is there or not, and else blends; and d goes into it. */

@@ -56,14 +56,30 @@ static void check_map(const daft_engine *engine, const daft_problems *problems, 
                         "a checker stands in for the texture %s: %s", path, why.message);
 }
 
-static void check_maps(const daft_engine *engine, const daft_problems *problems, const daft_mtl_list *list)
+static void check_cube(daft_engine *engine, const daft_problems *problems, const daft_mtl *mtl)
+{
+    const char *paths[6];
+    daft_sky_image cube;
+    daft_error why = {0};
+    if (!daft_cube_maps(mtl, NULL, paths)->path[0]) return;
+    if (daft_sky_images_read(engine, paths, 6, &cube, &why)) {
+        daft_sky_free(&engine->allocator, &cube);
+        return;
+    }
+    const daft_mtl_map *bad = daft_cube_maps(mtl, &why, paths);
+    daft_problem_at(problems, DAFT_SEVERITY_WARNING, why.code, mtl->file, bad->line, bad->column,
+                    "the cube that is mirrored is left out: %s: %s", bad->path, why.message);
+}
+
+static void check_maps(daft_engine *engine, const daft_problems *problems, const daft_mtl_list *list)
 {
     for (size_t i = 0; i < list->count; i++) {
         const daft_mtl *mtl = &list->items[i];
-        for (int k = 0; mtl->maps && k < DAFT_MTL_MAPS; k++) {
+        for (int k = 0; mtl->maps && k < DAFT_MTL_CUBE; k++) {
             const daft_mtl_map *map = &mtl->maps->map[k];
             if (map->path[0]) check_map(engine, problems, mtl, map->path, map->line, map->column);
         }
+        if (mtl->maps) check_cube(engine, problems, mtl);
         if (mtl->diffuse_map[0] && !map_is_repeated(list, i))
             check_map(engine, problems, mtl, mtl->diffuse_map, mtl->diffuse_map_line, mtl->diffuse_map_column);
     }

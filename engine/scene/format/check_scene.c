@@ -113,15 +113,17 @@ static bool can_be_drawn(const checker *c, const daft_scene_item *item)
 
 static bool is_black(daft_vec3 color) { return color.x == 0 && color.y == 0 && color.z == 0; }
 
-/* What the item's own material gives off. */
-static daft_vec3 glow_of(const checker *c, const daft_scene_item *item)
+/* Whether the item's material, or its mesh's own, gives off light. */
+static bool glows(const checker *c, const daft_scene_item *item)
 {
-    return c->scene->assets.materials[daft_asset_index(item->entity.material.id)].emission;
+    const daft_mesh_item *mesh =
+        item->kind == DAFT_ITEM_MESH ? c->scene->assets.meshes[daft_asset_index(item->entity.mesh.id)] : NULL;
+    return daft_glow_is_some(c->scene, item->entity.material, mesh);
 }
 
 static void check_entity(const checker *c, const daft_scene_item *item)
 {
-    if (item->entity.lights && is_black(glow_of(c, item)))
+    if (item->entity.lights && !glows(c, item))
         tell(c, DAFT_SEVERITY_NOTE, item, "it has 'lights', but its material gives off no light");
     if (!can_be_drawn(c, item))
         tell(c, DAFT_SEVERITY_WARNING, item, "it is not drawn: it is larger than 1e12 metres, or too small for floats");
@@ -182,7 +184,8 @@ static void check_whole(const checker *c)
             const daft_scenery *own = &c->scene->assets.meshes[daft_asset_index(item->entity.mesh.id)]->scenery;
             cameras += item->cameras ? own->camera_count : 0, lights += item->lights ? own->light_count : 0;
         }
-        lights += item->kind == DAFT_ITEM_SPHERE && item->entity.lights && !is_black(glow_of(c, item));
+        lights +=
+            (item->kind == DAFT_ITEM_SPHERE || item->kind == DAFT_ITEM_MESH) && item->entity.lights && glows(c, item);
         entities += item->kind == DAFT_ITEM_SPHERE || item->kind == DAFT_ITEM_MESH;
         if (item->kind == DAFT_ITEM_SKYBOX && skies++ > 0)
             tell(c, DAFT_SEVERITY_WARNING, item, "a second skybox: it takes the place of the one before");

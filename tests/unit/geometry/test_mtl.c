@@ -185,14 +185,19 @@ static void maps_are_read(void **unused)
     const daft_mtl *m = read_text("newmtl a\nmap_Ka ka.png\nmap_Kd -s 2 3 -o .5 .25 -clamp on kd.png\nmap_Ks ks.png\n"
                                   "map_Ke ke.png\nmap_Ns -imfchan r ns.png\nmap_d d.png\nmap_Bump -bm 2.5 b.png\n"
                                   "norm n.png\nmap_Pr -mm .25 .5 pr.png\nmap_Pm -texres 256 pm.png\nPr .5\nPm .75\n"
-                                  "refl -type sphere -s 9 9 -mm 0 .5 r.png\nrefl -type cube_top top.png\n"
+                                  "refl -type sphere -s 9 9 -mm 0 .5 r.png\nrefl -type cube_top up.png\n"
+                                  "refl -type cube_left l.png\nrefl -type cube_right ri.png\n"
+                                  "refl -type cube_bottom bo.png\nrefl -type cube_back ba.png\n"
+                                  "refl -type cube_front f.png\n"
                                   "map_ao -mm .4 .6 ao.png\n"
                                   "newmtl b\nKd 1 1 1\n");
     static const char *const names[DAFT_MTL_MAPS] = {
         [DAFT_MTL_AMBIENT] = "ka.png",   [DAFT_MTL_SPECULAR] = "ks.png",  [DAFT_MTL_EMISSION] = "ke.png",
         [DAFT_MTL_SHININESS] = "ns.png", [DAFT_MTL_ALPHA] = "d.png",      [DAFT_MTL_BUMP] = "b.png",
         [DAFT_MTL_NORMAL] = "n.png",     [DAFT_MTL_ROUGHNESS] = "pr.png", [DAFT_MTL_METALLIC] = "pm.png",
-        [DAFT_MTL_REFLECTION] = "r.png", [DAFT_MTL_OCCLUSION] = "ao.png"};
+        [DAFT_MTL_REFLECTION] = "r.png", [DAFT_MTL_CUBE] = "ri.png",      [DAFT_MTL_CUBE + 1] = "l.png",
+        [DAFT_MTL_CUBE + 2] = "up.png",  [DAFT_MTL_CUBE + 3] = "bo.png",  [DAFT_MTL_CUBE + 4] = "f.png",
+        [DAFT_MTL_CUBE_END] = "ba.png",  [DAFT_MTL_OCCLUSION] = "ao.png"};
     assert_int_equal(warnings.count, 0);
     assert_non_null(m->maps);
     for (int i = 0; i < DAFT_MTL_MAPS; i++) assert_string_equal(m->maps->map[i].path, test_path(names[i]));
@@ -209,6 +214,19 @@ static void maps_are_read(void **unused)
     done();
     m = read_text("newmtl a\nmap_Kd a.png\nbump -s 2 2 b.png\n");
     assert_true(m->scale.x == 1 && memo_has(&warnings, "a.mtl:3:1: all maps of a material lie as its map_Kd"));
+    done();
+}
+
+/* A cube lacks nothing, or is none. */
+static void cubes_are_whole(void **unused)
+{
+    (void)unused;
+    const daft_mtl *m = read_text("newmtl a\nKd 1 1 1\n  refl -type cube_top t.png\nrefl -type cube_left l.png\n"
+                                  "refl -type cube_front f.png\nnewmtl b\nrefl -type cube_side s.png\n");
+    assert_int_equal(warnings.count, 2);
+    assert_true(memo_has(&warnings, "a.mtl:5:1: the cube that is mirrored lacks cube_right, cube_bottom, cube_back: "));
+    assert_true(memo_has(&warnings, "a.mtl:7:1: a side of a cube is cube_right, cube_left, cube_top, cube_bottom, "));
+    for (int i = 0; i < 6; i++) assert_int_equal(m->maps->map[DAFT_MTL_CUBE + i].path[0], 0);
     done();
 }
 
@@ -326,6 +344,7 @@ int main(void)
         cmocka_unit_test(paths_of_other_machines),
         cmocka_unit_test(d_wins_over_tr),
         cmocka_unit_test(out_of_range_is_cut),
+        cmocka_unit_test(cubes_are_whole),
         cmocka_unit_test(errors_say_where),
         cmocka_unit_test(bad_lines_are_left_out),
         cmocka_unit_test(comments_alone_are_no_material),

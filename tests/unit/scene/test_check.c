@@ -151,6 +151,12 @@ static void odd_materials_are_told(void **unused)
     EXPECT_FILE("paint.mtl", "newmtl red\nKd 1 0 0\nmap_Kd nothing.png\nnewmtl blue\nKd 0 0 1\nnewmtl red\nNs 5000\n",
                 0, ":3:8: warning: a checker stands in for the texture", ": warning: the material 'red' is there twice",
                 ":7:1: warning: 5000 is out of range, and is taken as 1000");
+    EXPECT_FILE("cube.mtl", "newmtl a\nrefl -type cube_top a.png\nrefl -type cube_left a.png\n", 0,
+                ":3:1: warning: the cube that is mirrored lacks cube_right, cube_bottom, cube_front, cube_back");
+    EXPECT_FILE("six.mtl",
+                "newmtl a\nrefl -type cube_top a.png\nrefl -type cube_left b.png\nrefl -type cube_right c.png\n"
+                "refl -type cube_bottom d.png\nrefl -type cube_front e.png\nrefl -type cube_back f.png\n",
+                0, ":4:23: warning: the cube that is mirrored is left out: ");
     EXPECT_FILE("bad.mtl", "newmtl red\nKd 1 nan 0\n", 0,
                 ":2:6: warning: a finite number is needed here: the line is left out");
     EXPECT_FILE("painted.obj", "mtllib paint.mtl\nusemtl blue\n" SOLID, 0,
@@ -189,6 +195,8 @@ static void odd_scenes_are_told(void **unused)
     EXPECT_FILE("dull.scene", "camera 9 0 0\nsphere 0 0 0 2 red.mtl lights=true\nrectangle 0 0 1 1 0 0 1 1 1 1 1\n", 0,
                 ":2:16: note: it has 'lights', but its material gives off no light",
                 ":3:1: warning: the light is inside the sphere");
+    EXPECT_FILE("dark.scene", "camera 9 9 9\nmesh solid.obj 0 0 0 4 lights=true\nlight 9 8 9 1 1 1\n", 0,
+                ":2:6: note: it has 'lights', but its material gives off no light");
     EXPECT_FILE("mesh.scene", "camera 0.5 0.5 0.5\nmesh solid.obj 0 0 0 4\nlight 5 5 5 1 1 1\n", 0,
                 ":1:1: warning: the camera is inside the mesh of ");
     put("beside.scene", "camera 3.5 3.5 3.5\nmesh solid.obj 0 0 0 4\nlight 5 5 5 1 1 1\n");

@@ -580,6 +580,58 @@ static void a_reflection_map_is_mirrored_as_a_sky(void **state)
     assert_int_equal(f->warnings, 0);
 }
 
+/* Six images of one colour each: each is seen where a sky of the six would be mirrored. */
+static void a_cube_is_mirrored_as_a_sky(void **state)
+{
+    fixture *f = *state;
+    static const char *const NAMES[6] = {"right", "left", "top", "bottom", "front", "back"};
+    static uint8_t by_map[4 * SIDE * SIDE], by_sky[4 * SIDE * SIDE], texels[4 * 16 * 16];
+    char skies[6][200], text[300] = "";
+    const char *paths[6];
+    for (int i = 0; i < 6; i++) {
+        char name[20];
+        for (int k = 0; k < 16 * 16; k++) {
+            const int bits = i + 1;
+            texels[4 * k] = bits & 1 ? 255 : 80, texels[4 * k + 1] = bits & 2 ? 255 : 80;
+            texels[4 * k + 2] = bits & 4 ? 255 : 80, texels[4 * k + 3] = 255;
+        }
+        snprintf(name, sizeof name, "%s.tga", NAMES[i]);
+        snprintf(skies[i], sizeof skies[i], "%s", put_picture(name, 16, 16, texels));
+        paths[i] = skies[i];
+        snprintf(text + strlen(text), sizeof text - strlen(text), "refl -type cube_%s %s\n", NAMES[i], name);
+    }
+    draw_ball(f, text, NULL, by_map);
+    assert_int_equal(daft_scene_counters(f->scene)->reflection_rays, 0);
+    assert_int_equal(f->warnings, 0);
+    draw_ball(f, "", NULL, by_sky);
+    assert_true(daft_scene_set_sky_cube(f->scene, paths, NULL));
+    draw(f, DAFT_TEXTURE_BILINEAR, 2, by_sky);
+    int same = 0, other = 0, seen[8] = {0};
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        const double x = i % SIDE + 0.5 - SIDE / 2, y = i / SIDE + 0.5 - SIDE / 2;
+        if (x * x + y * y > 12.5 * 12.5) continue;
+        bool inside = true, near = true; /* of one image: all around it is the same */
+        for (int k = 0; k < 3; k++) {
+            const uint8_t *at = &by_sky[4 * i + k];
+            inside = inside && at[4] == *at && at[-4] == *at && at[4 * SIDE] == *at && at[-4 * SIDE] == *at;
+            near = near && abs(by_map[4 * i + k] - *at) <= 4; /* a corner is a texel away */
+        }
+        if (!inside) continue;
+        same += near, other += !near;
+        /* Ks 1 0.5 0.25: the bits of the colour are those above the half */
+        seen[(by_map[4 * i] > 200 ? 4 : 0) + (by_map[4 * i + 1] > 120 ? 2 : 0) + (by_map[4 * i + 2] > 90 ? 1 : 0)]++;
+    }
+    print_message("%d pixels the same, %d others\n", same, other);
+    for (int i = 0; i < 6; i++) print_message("%s: %d pixels\n", NAMES[i], seen[i + 1]);
+    assert_true(same > 250 && other == 0);
+    for (int i = 0; i < 4; i++) assert_true(seen[i + 1] > 5); /* the front is behind the ball */
+    assert_true(seen[6] > 20);
+    put_text("top.tga", "no image");
+    draw_ball(f, text, NULL, by_map); /* goes without: rays find the dark */
+    assert_true(f->warnings == 1);
+    assert_int_equal(by_map[4 * (SIDE / 2 * SIDE + SIDE / 2)], 0);
+}
+
 /* ---- mtllib ---- */
 
 static void make_folder(const char *name)
@@ -646,6 +698,7 @@ int main(void)
         WITH_FOLDER(white_vertices_cost_nothing),
         WITH_FOLDER(colors_of_other_formats_are_srgb),
         WITH_FOLDER(a_reflection_map_is_mirrored_as_a_sky),
+        WITH_FOLDER(a_cube_is_mirrored_as_a_sky),
         WITH_FOLDER(mtllib_is_beside_the_file_and_then_in_the_roots),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

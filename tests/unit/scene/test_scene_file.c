@@ -307,15 +307,17 @@ static void areas_are_read(void **state)
 {
     fixture *f = *state;
     load_good(f, "rectangle 1 2 3 0 -1 0 2 0.5 4 3 2 turn=90 range=7 shadow=false\n"
-                 "sun 0 -1 0 1 1 1 disc=0.3 visible=true\nsphere 0 5 0 1 m.mtl lights=true\nsphere 0 9 0 1 m.mtl\n");
+                 "sun 0 -1 0 1 1 1 disc=0.3 visible=true\nsphere 0 5 0 1 m.mtl lights=true\nsphere 0 9 0 1 m.mtl\n"
+                 "mesh t.obj 0 0 0 lights=true\nmesh t.obj 0 0 0 2 lights\n");
     const daft_light_def *r = &f->scene->lights[0];
     assert_true(r->kind == DAFT_LIGHT_RECTANGLE && r->position.z == 3 && r->direction.y == -1 && r->color.z == 2);
     assert_true(r->size.x == 2 && r->size.y == 0.5f && r->range == 7 && !r->casts_shadow);
     assert_true(fabs(degrees((double)r->turn) - 90) < 1e-4);
     assert_true(f->scene->lights[1].visible && entity(f, 0)->def.lights && !entity(f, 1)->def.lights);
-    assert_int_equal(f->scene->glowing, 1);
+    assert_true(entity(f, 2)->def.lights && !entity(f, 3)->def.lights); /* the word means those of its file */
+    assert_int_equal(f->scene->glowing, 2);
     const daft_entity made = {daft_slots_handle(&f->scene->entity_slots, 0)};
-    assert_true(daft_entity_destroy(f->scene, made, NULL) && f->scene->glowing == 0);
+    assert_true(daft_entity_destroy(f->scene, made, NULL) && f->scene->glowing == 1);
 }
 
 /* What d, Tf, Ni and illum make of light that passes. Exporters write Ni and Tf beside any model: only 4, 6, 7, 9 mean
@@ -422,7 +424,6 @@ static const struct {
     {"rectangle 1 2 3 0 -1 0 1 0 1 1 1\n", 1, 26, "height is 0; it must be between 1e-06 and 1e+06 m"},
     {"rectangle 1 2 3 0 0 0 1 1 1 1 1\n", 1, 17, "direction is 0, 0, 0; it must have a length"},
     {"rectangle 1 2 3 0 -1 0 1 1 1 1 1 radius=1\n", 1, 34, "unknown option 'radius'; known are shadow, range, turn"},
-    {"mesh t.obj 0 0 0 lights=true\n", 1, 18, "unknown option 'lights'"},
     {"light 1 2 3 1 1 1 shadow\n", 1, 19, "unexpected 'shadow'"},
     {"light 1 2 3 shadow=off\n", 1, 13, "expected r (a number)"},
     {"camera 0 0 0 roll=1,2\n", 1, 14, "roll is '1,2'; it must be a number"},

@@ -67,7 +67,7 @@ static const daft_field ENTITY_ROWS[] = {
     ENTITY(sensor, .lua = "sensor", .flags = BODY, .doc = "Meets nothing; what enters and leaves it makes events"),
     ENTITY(bullet, .lua = "bullet", .flags = BODY, .doc = "Does not pass through fast dynamic bodies either"),
     ENTITY(sleeps, .initial = {true}, .lua = "sleeps", .flags = BODY, .doc = "Whether it may fall asleep at rest"),
-    ENTITY(lights, .kinds = SPHERE, .lua = "lights", .scene = "lights",
+    ENTITY(lights, .kinds = MESH | SPHERE | BOX, .lua = "lights", .scene = "lights",
            .doc = "Whether what its material gives off lights what is around"),
 };
 

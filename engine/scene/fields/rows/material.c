@@ -25,7 +25,7 @@ static const daft_field ROWS[] = {
     ROW(roughness, FROM(0, 1), .lua = "roughness", .scene = "roughness",
         .doc = "How rough it is where it mirrors or lets light through: 0 is smooth (Pr)"),
     COLOR(emission, ZERO_OR_MORE, .lua = "emission", .scene = "emission", .flags = DAFT_FIELD_UNIFORM,
-          .doc = "Light that it gives off by itself; it lights nothing else but from spheres with lights"),
+          .doc = "Light that it gives off by itself; it lights nothing else but from entities with lights"),
     ROW(transmission, FROM(0, 1), .lua = "transmission", .scene = "transmission",
         .doc = "The fraction of the light that passes through; the rest is left to color and ambient"),
     COLOR(transmission_tint, FROM(0, 1), .initial = {1, 1, 1}, .lua = "transmission_tint", .scene = "transmission_tint",
