@@ -585,10 +585,6 @@ static void a_models_own_clips_play(void **state)
     }
 }
 
-/* Assimp 5.2 keeps a byte of a model whose buffer is missing. */
-__attribute__((visibility("default"))) const char *__lsan_default_suppressions(void);
-const char *__lsan_default_suppressions(void) { return "leak:libassimp"; }
-
 int main(void)
 {
     if (!READS_BY_LIBRARY) return 77;
