@@ -28,8 +28,9 @@ typedef struct widening {
     float *floats;
     size_t count;
     uint32_t added;          /* new accessors */
-    char *views, *accessors; /* text of the new ones */
-    const char *broken;      /* why Assimp must not see it; NULL: it may */
+    char *views, *accessors; /* text of the new ones, and how long it is */
+    size_t views_used, accessors_used;
+    const char *broken; /* why Assimp must not see it; NULL: it may */
 } widening;
 
 /* ---- which ---- */
@@ -111,12 +112,13 @@ static void put_edit(widening *w, const char *at, size_t removed, const char *te
 static const char *next_floats(widening *w, size_t items, const char *type, size_t width)
 {
     char *text = daft_arena_alloc(&w->g.arena, ITEM_TEXT, 1);
-    const size_t used = strlen(w->views), size = sizeof(float);
+    const size_t size = sizeof(float);
     if (!text) return NULL;
     snprintf(text, ITEM_TEXT, "{\"bufferView\":%u,\"componentType\":5126,\"count\":%zu,\"type\":\"%s\"}",
              w->g.views.count + w->made++, items, type);
-    snprintf(w->views + used, ITEM_TEXT, ",{\"buffer\":%u,\"byteOffset\":%zu,\"byteLength\":%zu}", w->g.buffers.count,
-             w->count * size, items * width * size);
+    w->views_used +=
+        (size_t)snprintf(w->views + w->views_used, ITEM_TEXT, ",{\"buffer\":%u,\"byteOffset\":%zu,\"byteLength\":%zu}",
+                         w->g.buffers.count, w->count * size, items * width * size);
     w->count += items * width;
     return text;
 }
@@ -154,8 +156,7 @@ static bool give_matrices(widening *w, daft_json skin, uint32_t count)
     const char *accessor = next_floats(w, count, "MAT4", 16);
     char *text = daft_arena_alloc(&w->g.arena, ITEM_TEXT, 1);
     if (!accessor || !text) return false;
-    const size_t used = strlen(w->accessors);
-    snprintf(w->accessors + used, ITEM_TEXT + 1, ",%s", accessor);
+    w->accessors_used += (size_t)snprintf(w->accessors + w->accessors_used, ITEM_TEXT + 1, ",%s", accessor);
     const daft_json few = daft_json_member(skin, "inverseBindMatrices");
     const uint32_t number = w->g.accessors.count + w->added++;
     if (few.at) {
@@ -254,15 +255,18 @@ static bool rewrite(widening *w, char **out, size_t *size)
     return true;
 }
 
-/* How many numbers there will be, in how many accessors. */
+/* How many numbers there will be, in how many accessors. Matrices stand behind accessors that there are: without any,
+ * Assimp must not see a skin that lacks them. */
 static void measure(widening *w, size_t *numbers, size_t *items)
 {
     daft_gltf_packed p;
     for (uint32_t i = 0; i < w->g.accessors.count; i++)
         if (must_widen(w, i, &p)) *numbers += p.items * p.width, ++*items;
     daft_json skin = daft_json_first(daft_json_member(w->g.root, "skins"));
-    for (; skin.at && w->g.accessors.count && w->g.views.count && w->g.buffers.count; skin = daft_json_next(skin)) {
+    const bool has_numbers = w->g.accessors.count && w->g.views.count && w->g.buffers.count;
+    for (; skin.at; skin = daft_json_next(skin)) {
         const uint32_t missing = matrices_missing(w, skin);
+        if (missing && !has_numbers) w->broken = "a skin without numbers for its vertices";
         *numbers += 16 * (size_t)missing, *items += missing > 0;
     }
 }
@@ -289,6 +293,7 @@ static bool widen(widening *w, char **out, size_t *size)
     memset(w->wanted, 0, count * sizeof *w->wanted);
     want_meshes(w), want_clips(w);
     measure(w, &numbers, &items);
+    if (w->broken) return false;
     if (items == 0 || numbers > MOST / sizeof(float)) return !w->g.out_of_memory;
     if (!make_room(w, numbers, items)) return false;
     for (uint32_t i = 0; i < count; i++)

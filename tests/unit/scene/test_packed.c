@@ -211,11 +211,25 @@ static void broken_files_are_told(void **state)
     }
 }
 
+/* Assimp would look for the matrices. */
+static void a_skin_of_nothing_is_told(void **state)
+{
+    static const char TEXT[] = "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
+                               "\"nodes\":[{\"mesh\":0,\"skin\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{}}]"
+                               "}],\"skins\":[{\"joints\":[0]}]}";
+    fixture *f = *state;
+    daft_error error;
+    const daft_mesh mesh = daft_mesh_load(f->scene, put("nothing.gltf", TEXT, sizeof TEXT - 1), &error);
+    if (error.code == DAFT_ERROR_UNSUPPORTED) skip();
+    assert_true(!mesh.id && strstr(error.message, "a skin without numbers"));
+}
+
 int main(void)
 {
     if (!READS_BY_LIBRARY) return 77;
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(packed_numbers_are_what_they_stand_for, open_folder, close_folder),
-        cmocka_unit_test_setup_teardown(broken_files_are_told, open_folder, close_folder)};
+        cmocka_unit_test_setup_teardown(broken_files_are_told, open_folder, close_folder),
+        cmocka_unit_test_setup_teardown(a_skin_of_nothing_is_told, open_folder, close_folder)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
