@@ -114,6 +114,25 @@ static __attribute__((noinline)) vbits lanes_measure(const packet *c, const mesh
     return which & ahead & vbits_from_mask(daft_hits_within(out, c->tmin, vf_load(c->hit.t)));
 }
 
+DAFT_INLINE vd vd3_sum(vd3 a) { return vd_abs(a.x) + vd_abs(a.y) + vd_abs(a.z); }
+
+/* daft_is_behind of triangle i and all rays. */
+static __attribute__((noinline)) vbits lanes_behind(const mesh_packet *m, const daft_block *b, uint32_t i)
+{
+    daft_dvec3 p = daft_to_double(daft_block_corner(b, 0, i)),
+               e = daft_dsub(p, daft_to_double(daft_block_corner(b, 1, i)));
+    daft_dvec3 f = daft_dsub(daft_to_double(daft_block_corner(b, 2, i)), p), normal = daft_dcross(f, e);
+    const double area = (fabs(e.x) + fabs(e.y) + fabs(e.z)) * (fabs(f.x) + fabs(f.y) + fabs(f.z)) * DAFT_BEHIND_OFF;
+    vd side[2];
+    for (int half = 0; half < 2; half++) {
+        vd3 o = vd3_half(m->o, half), ray = vd3_half(m->d, half), s = {p.x - o.x, p.y - o.y, p.z - o.z};
+        vd sum = vd3_dot(normal, ray), along = vd3_dot(normal, s), off = area * vd3_sum(s), steep = area * vd3_sum(ray);
+        const vl behind = ((sum > steep) & (along < -off)) | ((sum < -steep) & (along > off));
+        side[half] = vd_if_then_else(behind, vd_set(-1), vd_set(1));
+    }
+    return vbits_from_mask(vf_lt(vf_demote2(side[0], side[1]), vf_set(0)));
+}
+
 DAFT_INLINE uint32_t place_of(const mesh_packet *m, const daft_block *b, uint32_t i)
 {
     return (uint32_t)(b - m->instance->bvh->blocks) * DAFT_BLOCK + i;
@@ -130,7 +149,9 @@ static vbits lanes_exact(packet *c, const mesh_packet *m, const daft_block *b, u
     }
     daft_lane_hits touch = {vf_set(0), vf_set(0), vf_set(0)};
     if (plain) bits |= lanes_measure(c, m, b, i, plain, &touch);
-    for (vbits left = maybe & ~plain; left; left &= left - 1) {
+    vbits left = maybe & ~plain;
+    if (left) left &= ~lanes_behind(m, b, i); /* packets count no negative distances */
+    for (; left; left &= left - 1) {
         int lane = first_lane(left);
         daft_exact_hit e;
         if (!daft_intersect_exact(b, i, lane_of(&m->o, lane), lane_of(&m->d, lane), c->tmin[lane], c->hit.t[lane], &e))
