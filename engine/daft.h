@@ -1075,7 +1075,8 @@ typedef struct daft_quality {
     float min_weight;      /* mirrored or refracted rays that weigh less in all colours are not cast, 0 to 1 */
     int glossy_samples;    /* rays that a rough surface sends on, 1 to 64; 0: none is rough */
     daft_texture_filter texture_filter;
-    bool denoise; /* filters what is sampled */
+    bool denoise;    /* filters what is sampled */
+    bool half_light; /* where that is so, sampled shadows and occlusion are found for one pixel in four */
 } daft_quality;
 
 /* The values of a preset; of none, those of DAFT_PRESET_GAME. */

@@ -317,6 +317,7 @@ local voice = {}
 ---@field glossy_samples? number Rays that a rough surface sends on; 0: none is rough (number, 0 to 64); 1 unless given
 ---@field texture_filter? "trilinear"|"mipmap"|"bilinear"|"nearest"|"anisotropic4"|"anisotropic16" What a texture's colour at a point is made of; "trilinear" unless given
 ---@field denoise? boolean Whether what is sampled is filtered; true unless given
+---@field half_light? boolean Whether sampled shadows and occlusion that are filtered are found for one pixel in four; true unless given
 ---@field preset? "draft"|"game"|"high"|"reference" Sets all knobs to those of a preset, before the others are set
 ---@field target_ms? number What a frame may take, by pictures that are less exact where they must be; 0: whatever it takes. What the player asked for goes first (number from 1 to 1000, or 0)
 

@@ -4,7 +4,8 @@
 
 #include "render/internal.h"
 
-/* A pixel whose sampled light is known: where, its ray in view space, what it sees, and the inverse of its depth. */
+/* A pixel whose sampled light is known: where among its grid's, its ray in view space, what it sees, and the inverse of
+ * its depth. */
 typedef struct daft_seen_pixel {
     int x, y;
     daft_vec3 ray;
@@ -17,7 +18,8 @@ typedef struct daft_seen_pixel {
 /* Pictures that count together: more would leave trails behind moving shadows. */
 #define DAFT_LONGEST_PAST 8
 
-bool daft_past_prepare(daft_past *past, const daft_allocator *allocator, const daft_snapshot *s, daft_error *error);
+bool daft_past_prepare(daft_past *past, const daft_allocator *allocator, const daft_snapshot *s, const daft_grid *grid,
+                       daft_error *error);
 /* `ratio`: what the pixel found; becomes the mean with what was found before, which is remembered. Different pixels may
  * be asked at the same time. Gives over how many pictures. */
 float daft_past_pixel_reuse(daft_past *past, const daft_snapshot *s, const daft_seen_pixel *seen, float ratio[3]);

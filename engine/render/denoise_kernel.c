@@ -5,6 +5,9 @@
  *
  * A neighbour counts as far as it lies on the pixel's own plane, faces the same way, and has about the same light, by
  * the measure of the noise. Of a plane the inverse depth is linear in the picture; its slope follows from the normal.
+ *
+ * What was filtered at half the resolution is enlarged by the same measure of planes (joint bilateral upsampling: Kopf,
+ * Cohen, Lischinski, Uyttendaele, ACM Transactions on Graphics 26(3), 2007).
  */
 #include "math/simd/ops.h"
 #include "render/kernels.h"
@@ -161,4 +164,55 @@ void DAFT_KERNEL(daft_filter_pass)(const daft_filter *f, int x0, int y0, int wid
 {
     for (int y = y0; y < y0 + height; y++)
         for (int x = x0; x < x0 + width; x += DAFT_VL) filter(f, x, y, y * f->stride + x);
+}
+
+/* How much what lies on no pixel's plane counts where none on it is near. */
+#define BESIDE_PLANE 1e-3f
+
+/* Of the coarse pixel at `index` of a row, `row` floats from the first: what it has, as far as it lies on the plane. */
+DAFT_INLINE void enlarge_from(const daft_enlarging *e, const plane *p, vi index, ptrdiff_t row, vf dx, vf dy, vf weight,
+                              vf3 *sum, vf *weights)
+{
+    const daft_filter *f = &e->from;
+    const vf one = vf_set(1), zero = vf_set(0), there = vf_gather_index(f->inverse + row, index);
+    const vf off = (there - p->inverse - p->right * dx - p->down * dy) * p->slack, off2 = off * off;
+    const vf3 normal = {vf_gather_index(f->normal[0] + row, index), vf_gather_index(f->normal[1] + row, index),
+                        vf_gather_index(f->normal[2] + row, index)};
+    const vf same = sixteenth_power(vf_max(vf3_dot(p->normal, normal), zero));
+    const vf fits = vf_max(one - off2, zero) * same + vf_set(BESIDE_PLANE) / (one + off2);
+    const vf share = vf_if_then_else(vf_lt(zero, there), weight * fits, zero);
+    sum->x += share * vf_gather_index(f->from[0] + row, index);
+    sum->y += share * vf_gather_index(f->from[1] + row, index);
+    sum->z += share * vf_gather_index(f->from[2] + row, index);
+    *weights += share;
+}
+
+/* Pixels lie on a coarse one, or between two or four; between rows and columns all around count alike. */
+DAFT_INLINE void enlarge(const daft_enlarging *e, int x, int y)
+{
+    const ptrdiff_t at = y * e->to.stride + x;
+    const plane p = plane_at(&e->to, x, y, at);
+    const vi column = vi_set(x - e->x) + vi_iota(), left = column >> 1;
+    const vf aside = vf_convert_to(column & vi_set(1));
+    const int down = (y - e->y) & 1, above = (y - e->y) >> 1;
+    vf3 sum = {vf_set(0), vf_set(0), vf_set(0)};
+    vf weights = vf_set(0);
+    for (int k = 0; k <= down; k++) {
+        if (above + k < 0 || above + k >= e->from.height) continue;
+        const ptrdiff_t row = (above + k) * e->from.stride;
+        const vf dy = vf_set((float)(2 * k - down)), half = vf_set(0.5f) * aside;
+        enlarge_from(e, &p, left, row, -aside, dy, vf_set(1) - half, &sum, &weights);
+        enlarge_from(e, &p, left + vi_set(1), row, aside, dy, half, &sum, &weights);
+    }
+    const vm some = vf_lt(vf_set(0), weights);
+    const vf scale = vf_set(1) / vf_if_then_else(some, weights, vf_set(1));
+    vf_store(e->to.to[0] + at, vf_if_then_else(some, sum.x * scale, vf_set(1)));
+    vf_store(e->to.to[1] + at, vf_if_then_else(some, sum.y * scale, vf_set(1)));
+    vf_store(e->to.to[2] + at, vf_if_then_else(some, sum.z * scale, vf_set(1)));
+}
+
+void DAFT_KERNEL(daft_enlarge)(const daft_enlarging *e, int x0, int y0, int width, int height)
+{
+    for (int y = y0; y < y0 + height; y++)
+        for (int x = x0; x < x0 + width; x += DAFT_VL) enlarge(e, x, y);
 }

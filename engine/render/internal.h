@@ -27,6 +27,22 @@ typedef struct daft_plan {
     const char *why_not_seen[DAFT_EFFECT_COUNT]; /* the reason if no tile runs it after all */
 } daft_plan;
 
+/* Pixels that planes hold values of: all of the picture, or one of every step x step, those of column x and row y
+ * among them. Rows are `stride` floats apart; a tile has tile x tile of them. */
+typedef struct daft_grid {
+    float *planes;
+    size_t plane_size;
+    ptrdiff_t stride;
+    uint32_t first_tile; /* of the picture, that they begin with */
+    int rows, tile, step, x, y;
+} daft_grid;
+
+static inline bool daft_grid_has(const daft_grid *g, uint32_t x, uint32_t y)
+{
+    const uint32_t step = (uint32_t)g->step;
+    return x % step == (uint32_t)g->x && y % step == (uint32_t)g->y;
+}
+
 /* Light of points that is sampled (tile/soft.c). */
 typedef struct daft_sampled_light {
     bool some;                            /* of the batch, so that what follows counts: */
@@ -34,6 +50,9 @@ typedef struct daft_sampled_light {
     daft_lanes3 whole, arrived;           /* what would arrive if nothing were in its way; what does */
     daft_lanes3 tile_whole, tile_arrived; /* the same of the tile's pixels, while they are to be filtered */
     daft_lanes3 before;                   /* the points' light without it */
+    bool recalls;                         /* the batch's points of these bits have the fraction of a pixel like them */
+    uint32_t recalled[DAFT_BATCH_WORDS];
+    daft_lanes3 fraction;
     float open[DAFT_BATCH_ROOM];
 } daft_sampled_light;
 
@@ -161,7 +180,8 @@ struct daft_renderer {
     /* denoise.c: planes of the frame's tiles, and what of these is to be filtered (DAFT_NOISY_…) */
     float *planes;
     uint8_t *noisy;
-    size_t plane_capacity, plane_size, plane_stride, plane_count, noisy_capacity;
+    daft_grid grid, light_grid; /* of the picture before */
+    size_t plane_capacity, noisy_capacity;
     size_t edge_capacity, id_capacity, apron_capacity, smooth_capacity, corner_capacity;
 };
 
@@ -183,9 +203,9 @@ typedef struct daft_frame {
     /* Pixels that get more samples have them in their corners (1) or on a grid of so many rows and columns; 0: none do.
      */
     int edge_scale;
-    size_t plane_size;
-    int filter_pass, filtered; /* the running pass; DAFT_NOISY_… */
-    uint32_t corner_tiles;     /* those of the band and of the row below, whose corners it shares */
+    daft_grid grid, light_grid; /* of what is filtered: all pixels, and those whose sampled light is found */
+    int filter_pass, filtered;  /* the running pass; DAFT_NOISY_… */
+    uint32_t corner_tiles;      /* those of the band and of the row below, whose corners it shares */
     /* Where the picture before is kept: what it says of each tile; the tiles that are drawn, and those of them that are
      * mixed with their corners. NULL: nothing is kept; all are. */
     daft_kept *kept;

@@ -129,6 +129,13 @@ typedef struct daft_filter {
     float *from[3], *from_variance, *to[3], *to_variance;
 } daft_filter;
 
+/* What was found of a grid of pixels, one in every 2 x 2 with (x, y) in the first of them, is enlarged to all:
+ * from.from, on the planes of from.normal and from.inverse, to to.to. */
+typedef struct daft_enlarging {
+    daft_filter to, from;
+    int x, y;
+} daft_enlarging;
+
 /* What single rays of a pencil see, and the number under which their light is wanted. */
 typedef struct daft_seen_list {
     uint32_t count;
@@ -168,6 +175,8 @@ typedef struct daft_render_kernels {
     void (*filter_noise)(const daft_filter *filter, int x, int y, int width, int height);
     void (*filter_spread)(const daft_filter *filter, int x, int y, int width, int height);
     void (*filter_pass)(const daft_filter *filter, int x, int y, int width, int height);
+    /* The pixels x.., y.. of those that are enlarged to. */
+    void (*enlarge)(const daft_enlarging *enlarging, int x, int y, int width, int height);
 } daft_render_kernels;
 
 DAFT_KERNEL_DECLARE(daft_render_kernels, daft_render);
@@ -184,6 +193,7 @@ void DAFT_KERNEL(daft_find_contrast)(const daft_neighbours *neighbours, const da
 void DAFT_KERNEL(daft_filter_noise)(const daft_filter *f, int x0, int y0, int width, int height);
 void DAFT_KERNEL(daft_filter_spread)(const daft_filter *f, int x0, int y0, int width, int height);
 void DAFT_KERNEL(daft_filter_pass)(const daft_filter *f, int x0, int y0, int width, int height);
+void DAFT_KERNEL(daft_enlarge)(const daft_enlarging *e, int x0, int y0, int width, int height);
 void DAFT_KERNEL(daft_find_corners)(const daft_neighbours *neighbours, const daft_contrast *limit,
                                     uint32_t out[DAFT_TILE]);
 void DAFT_KERNEL(daft_match_corners)(const daft_neighbours *neighbours, const daft_tile *tile,

@@ -26,9 +26,10 @@ typedef struct daft_past_pixel {
 } daft_past_pixel;
 
 typedef struct daft_past {
-    bool some; /* of a picture before */
-    int now;   /* the pixels of that picture; the others are for the one at work */
-    int width, height;
+    bool some;               /* of a picture before */
+    int now;                 /* the pixels of that picture; the others are for the one at work */
+    int width, height, step; /* pixels that are remembered: one of every step x step of the picture, */
+    int x[2], y[2];          /* this one of them */
     daft_past_pixel *pixels[2];
     size_t capacity[2];
 } daft_past;

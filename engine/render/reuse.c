@@ -11,11 +11,14 @@
 #define SAME_PLACE   0.03f
 #define SAME_SURFACE 0.1f
 
-bool daft_past_prepare(daft_past *past, const daft_allocator *allocator, const daft_snapshot *s, daft_error *error)
+bool daft_past_prepare(daft_past *past, const daft_allocator *allocator, const daft_snapshot *s, const daft_grid *grid,
+                       daft_error *error)
 {
-    const size_t pixels = (size_t)s->width * (size_t)s->height;
-    if (past->width != s->width || past->height != s->height) past->some = false;
-    past->width = s->width, past->height = s->height;
+    const int step = grid->step, width = (s->width + step - 1) / step, height = (s->height + step - 1) / step;
+    const size_t pixels = (size_t)width * (size_t)height;
+    if (past->width != width || past->height != height || past->step != step) past->some = false;
+    past->width = width, past->height = height, past->step = step;
+    past->x[!past->now] = grid->x, past->y[!past->now] = grid->y;
     for (int i = 0; i < 2; i++)
         if (!daft_grow(allocator, &past->pixels[i], &past->capacity[i], pixels,
                        past->some && i == past->now ? pixels : 0, sizeof *past->pixels[i]))
@@ -46,8 +49,10 @@ static bool place_before(const daft_snapshot *s, daft_vec3 ray, uint32_t instanc
 static float gather(const daft_past *past, const place *at, uint32_t entity, float slack, daft_past_pixel *mean)
 {
     const daft_past_pixel *old = past->pixels[past->now];
-    const int x0 = (int)floorf(at->x), y0 = (int)floorf(at->y);
-    const float fx = at->x - (float)x0, fy = at->y - (float)y0;
+    const float per_step = 1 / (float)past->step, column = (at->x - (float)past->x[past->now]) * per_step,
+                row = (at->y - (float)past->y[past->now]) * per_step;
+    const int x0 = (int)floorf(column), y0 = (int)floorf(row);
+    const float fx = column - (float)x0, fy = row - (float)y0;
     float sum = 0;
     *mean = (daft_past_pixel){0};
     for (int k = 0; k < 4; k++) {

@@ -226,4 +226,5 @@ const daft_render_kernels DAFT_KERNEL(daft_render) = {.surfaces = DAFT_KERNEL(da
                                                       .mix_corners = DAFT_KERNEL(daft_mix_corners),
                                                       .filter_noise = DAFT_KERNEL(daft_filter_noise),
                                                       .filter_spread = DAFT_KERNEL(daft_filter_spread),
-                                                      .filter_pass = DAFT_KERNEL(daft_filter_pass)};
+                                                      .filter_pass = DAFT_KERNEL(daft_filter_pass),
+                                                      .enlarge = DAFT_KERNEL(daft_enlarge)};

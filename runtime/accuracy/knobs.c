@@ -38,6 +38,7 @@ static const knob_row TABLE[KNOBS] = {
      {"texture_filter=nearest", "texture_filter=bilinear", "texture_filter=mipmap", "texture_filter=trilinear",
       "texture_filter=anisotropic4", "texture_filter=anisotropic16"}},
     {"denoise", "whether what is sampled is filtered", {"denoise=off", "denoise=on"}},
+    {"half_light", "sampled shadows and occlusion for one pixel in four", {"half_light=on", "half_light=off"}},
 };
 
 const knob_row *knob_at(size_t index) { return &TABLE[index]; }

@@ -15,15 +15,16 @@
 
 enum { MARGIN = 16, PASSES = 4 }; /* columns on either side, and room for a register on the right */
 enum {
-    TO = 0,
-    FROM_VARIANCE = 3,
-    TO_VARIANCE,
-    NORMAL,
-    INVERSE = 8, /* of all that is seen */
+    NORMAL = 0,
+    INVERSE = 3, /* of all that is seen */
     SEEN,
     SHARP,
-    LIGHT = 13, /* three of the ratio, three of the whole, one of the inverse depth */
-    GLOSS = 20, /* likewise */
+    LIGHT = 8, /* three of the ratio, three of the whole, one of the inverse depth */
+    PLANES_UNFILTERED = 14,
+    TO = 15,
+    FROM_VARIANCE = 18,
+    TO_VARIANCE,
+    GLOSS = 20, /* as of the light */
     REACH = 27, /* of the gloss: pixels that the filter may reach */
     VIRTUAL,    /* and the inverse depth of what is shown, behind the surface */
     PLANES,
@@ -35,53 +36,77 @@ static int first_plane(int kind) { return kind == DAFT_NOISY_GLOSS ? GLOSS : LIG
 
 static bool is_last(const daft_frame *frame) { return frame->sample == frame->snapshot->quality.samples - 1; }
 
-static ptrdiff_t stride_of(const daft_snapshot *s) { return (ptrdiff_t)daft_tile_columns(s) * DAFT_TILE + 3 * MARGIN; }
-
-static size_t plane_size(const daft_frame *frame)
+/* The pixels whose sampled light is found and filtered. */
+static const daft_grid *grid_of(const daft_frame *frame, int kind)
 {
-    return (size_t)stride_of(frame->snapshot) * (frame->tile_count / daft_tile_columns(frame->snapshot)) * DAFT_TILE;
+    return kind == DAFT_NOISY_LIGHT ? &frame->light_grid : &frame->grid;
 }
 
+static bool is_half(const daft_frame *frame) { return frame->light_grid.step > 1; }
+
 /* The first float of the running pass's first tile in a plane. */
-static float *plane(const daft_frame *frame, int number)
+static float *plane(const daft_grid *g, int number) { return g->planes + (size_t)number * g->plane_size + MARGIN; }
+
+/* The pixel of four that is sampled goes round from picture to picture. */
+static daft_grid make_grid(const daft_frame *frame, int step)
 {
-    return frame->renderer->planes + (size_t)number * frame->plane_size + MARGIN;
+    static const uint8_t X[4] = {0, 1, 1, 0}, Y[4] = {0, 1, 0, 1};
+    const daft_snapshot *s = frame->snapshot;
+    const uint32_t columns = daft_tile_columns(s), turn = step > 1 ? s->seed % 4 : 0;
+    daft_grid g = {.first_tile = frame->first_tile, .tile = DAFT_TILE / step, .step = step, .x = X[turn], .y = Y[turn]};
+    g.rows = (int)(frame->tile_count / columns) * g.tile;
+    g.stride = (ptrdiff_t)columns * g.tile + 3 * MARGIN;
+    g.plane_size = (size_t)g.stride * (size_t)g.rows;
+    return g;
 }
 
 bool daft_denoise_prepare(daft_frame *frame, daft_error *error)
 {
     daft_renderer *r = frame->renderer;
-    daft_past *past = frame->snapshot->past;
+    const daft_snapshot *s = frame->snapshot;
+    daft_past *past = s->past;
+    const bool half = frame->plan.quality->half_light, glossy = frame->plan.glossy;
+    frame->grid = frame->light_grid = (daft_grid){.step = 1};
     for (int i = 0; past && i < DAFT_PASTS; i++)
-        past[i].some &= frame->plan.denoise && (i == DAFT_PAST_GLOSS ? frame->plan.glossy : frame->plan.samples_light);
+        past[i].some &= frame->plan.denoise && (i == DAFT_PAST_GLOSS ? glossy : frame->plan.samples_light);
     if (!frame->plan.denoise) return true;
-    const size_t size = plane_size(frame), stride = (size_t)stride_of(frame->snapshot);
-    const size_t before = r->plane_capacity, planes = frame->plan.glossy ? PLANES : PLANES_WITHOUT_GLOSS;
-    frame->plane_size = size;
-    if (!daft_grow(&r->allocator, &r->planes, &r->plane_capacity, planes * size, 0, sizeof *r->planes) ||
+    daft_grid full = make_grid(frame, 1), light = make_grid(frame, half ? 2 : 1);
+    const size_t planes = glossy ? PLANES
+                          : half ? PLANES_UNFILTERED
+                                 : PLANES_WITHOUT_GLOSS,
+                 first = planes * full.plane_size, size = first + (half ? PLANES_WITHOUT_GLOSS * light.plane_size : 0);
+    if (!daft_grow(&r->allocator, &r->planes, &r->plane_capacity, size, 0, sizeof *r->planes) ||
         !daft_grow(&r->allocator, &r->noisy, &r->noisy_capacity, frame->tile_count, 0, sizeof *r->noisy))
         return daft_fail_memory(error, "what is denoised");
-    if (before != r->plane_capacity || stride != r->plane_stride || size != r->plane_size || planes != r->plane_count)
-        memset(r->planes, 0, planes * size * sizeof *r->planes); /* margins stay 0 */
-    r->plane_stride = stride, r->plane_size = size, r->plane_count = planes;
+    full.planes = r->planes, light.planes = half ? r->planes + first : r->planes;
+    const bool same = memcmp(&r->grid, &full, sizeof full) == 0 && r->light_grid.planes == light.planes &&
+                      r->light_grid.step == light.step;
+    if (!same) memset(r->planes, 0, size * sizeof *r->planes); /* margins stay 0 */
+    r->grid = frame->grid = full, r->light_grid = frame->light_grid = light;
     for (int i = 0; past && i < DAFT_PASTS; i++)
-        if ((i == DAFT_PAST_GLOSS ? frame->plan.glossy : frame->plan.samples_light) &&
-            !daft_past_prepare(&past[i], &r->allocator, frame->snapshot, error))
+        if ((i == DAFT_PAST_GLOSS ? glossy : frame->plan.samples_light) &&
+            !daft_past_prepare(&past[i], &r->allocator, s, i == DAFT_PAST_GLOSS ? &full : &light, error))
             return false;
     return true;
 }
 
-/* Where the tile's first pixel is in a plane. */
-static size_t tile_place(const daft_frame *frame, uint32_t number)
+/* Of the picture, that planes begin with. */
+static int first_row(const daft_frame *frame)
 {
-    const uint32_t columns = daft_tile_columns(frame->snapshot), at = number - frame->first_tile;
-    return at / columns * DAFT_TILE * (size_t)stride_of(frame->snapshot) + at % columns * DAFT_TILE;
+    return (int)(frame->grid.first_tile / daft_tile_columns(frame->snapshot)) * DAFT_TILE;
 }
 
-static void clear(const daft_frame *frame, int number, size_t first)
+/* Where the tile's first pixel is in a plane. */
+static size_t tile_place(const daft_frame *frame, const daft_grid *g, uint32_t number)
 {
-    float *to = plane(frame, number) + first;
-    for (int y = 0; y < DAFT_TILE; y++) memset(to + y * stride_of(frame->snapshot), 0, DAFT_TILE * sizeof *to);
+    const uint32_t columns = daft_tile_columns(frame->snapshot), at = number - g->first_tile;
+    return at / columns * (size_t)g->tile * (size_t)g->stride + at % columns * (size_t)g->tile;
+}
+
+static void clear(const daft_grid *g, int number, size_t first)
+{
+    float *to = plane(g, number) + first;
+    for (int y = 0; y < g->tile; y++) memset(to + y * g->stride, 0, (size_t)g->tile * sizeof *to);
 }
 
 void daft_denoise_begin(const tile_job *j)
@@ -89,8 +114,25 @@ void daft_denoise_begin(const tile_job *j)
     const daft_frame *frame = j->frame;
     if (j->s->sampled) j->s->sampled->tile_some = false;
     if (frame->sample > 0) return;
-    clear(frame, INVERSE, tile_place(frame, j->number));
+    const daft_grid *full = &frame->grid, *light = &frame->light_grid;
+    clear(full, INVERSE, tile_place(frame, full, j->number));
+    clear(light, INVERSE, tile_place(frame, light, j->number));
+    clear(light, LIGHT + KIND_INVERSE, tile_place(frame, light, j->number));
+    if (frame->plan.glossy) clear(full, GLOSS + KIND_INVERSE, tile_place(frame, full, j->number));
     j->r->noisy[j->number - frame->first_tile] = 0;
+}
+
+/* What a point is, for the filter. */
+typedef struct seen_plane {
+    float normal[3], inverse;
+    uint32_t instance;
+} seen_plane;
+
+static void put_seen(const daft_grid *g, size_t at, const seen_plane *p)
+{
+    for (int c = 0; c < 3; c++) plane(g, NORMAL + c)[at] = p->normal[c];
+    plane(g, INVERSE)[at] = p->inverse;
+    memcpy(&plane(g, SEEN)[at], &p->instance, sizeof p->instance);
 }
 
 /* The planes that pixels see, by their first sample. */
@@ -99,20 +141,20 @@ void daft_denoise_see(const tile_job *j)
     const daft_frame *frame = j->frame;
     const daft_snapshot *s = j->snapshot;
     const daft_batch *b = &j->s->points;
-    const size_t first = tile_place(frame, j->number), stride = (size_t)stride_of(s);
-    float *const normal[3] = {plane(frame, NORMAL), plane(frame, NORMAL + 1), plane(frame, NORMAL + 2)},
-                 *inverse = plane(frame, INVERSE), *seen = plane(frame, SEEN);
+    const daft_grid *full = &frame->grid, *light = &frame->light_grid;
+    const size_t first = tile_place(frame, full, j->number), first_light = tile_place(frame, light, j->number);
     const daft_vec3 axes[3] = {s->right, s->up, s->forward};
     if (frame->sample > 0) return;
     for (uint32_t i = 0; i < b->count; i++) {
         const uint32_t x = b->pixel[i] % DAFT_TILE, y = b->pixel[i] / DAFT_TILE;
-        const size_t at = first + y * stride + x;
         const daft_vec3 ray = daft_pencil_ray(&frame->pencil, j->s->tile.x + (int)x, j->s->tile.y + (int)y),
                         n = daft_v3(b->normal.x[i], b->normal.y[i], b->normal.z[i]);
         const float found = sqrtf(daft_dot(ray, ray)) / (b->distance[i] * s->focal);
-        for (int c = 0; c < 3; c++) normal[c][at] = daft_dot(n, axes[c]);
-        inverse[at] = found < 0x1p60f ? found : 0;
-        memcpy(&seen[at], &b->instance[i], sizeof *seen);
+        seen_plane p = {.inverse = found < 0x1p60f ? found : 0, .instance = b->instance[i]};
+        for (int c = 0; c < 3; c++) p.normal[c] = daft_dot(n, axes[c]);
+        put_seen(full, first + y * (size_t)full->stride + x, &p);
+        if (is_half(frame) && daft_grid_has(light, x, y))
+            put_seen(light, first_light + y / 2 * (size_t)light->stride + x / 2, &p);
     }
 }
 
@@ -164,13 +206,20 @@ static int samples_of(const daft_frame *frame)
 
 /* ---- a tile's sums ---- */
 
+/* A tile's row, of every `step`-th value from `first` on. */
+static void put_some(const daft_frame *frame, const daft_grid *g, int number, size_t row, const float *value,
+                     float share)
+{
+    float *to = plane(g, number) + row;
+    if (frame->sample == 0)
+        for (int x = 0; x < g->tile; x++) to[x] = value[x * g->step + g->x] * share;
+    else
+        for (int x = 0; x < g->tile; x++) to[x] += value[x * g->step + g->x] * share;
+}
+
 static void put(const daft_frame *frame, int number, size_t row, const float *value, float share)
 {
-    float *to = plane(frame, number) + row;
-    if (frame->sample == 0)
-        for (int x = 0; x < DAFT_TILE; x++) to[x] = value[x] * share;
-    else
-        for (int x = 0; x < DAFT_TILE; x++) to[x] += value[x] * share;
+    put_some(frame, &frame->grid, number, row, value, share);
 }
 
 static const float *lane_of(const daft_lanes3 *v, int c, int y)
@@ -201,11 +250,17 @@ static void keep_sharp(const tile_job *j, size_t row, int y, float share)
 static void keep_light(const tile_job *j, size_t row, int y, float share)
 {
     static const float NONE[DAFT_TILE];
+    const daft_frame *frame = j->frame;
     const daft_sampled_light *light = j->s->sampled;
-    const bool some = light && light->tile_some;
+    const daft_grid *g = &frame->light_grid;
+    const bool some = light && light->tile_some, has = daft_grid_has(g, (uint32_t)g->x, (uint32_t)y);
+    const size_t there = tile_place(frame, g, j->number) + (size_t)(y / g->step * g->stride);
     for (int c = 0; c < 3; c++) {
-        put(j->frame, LIGHT + c, row, some ? lane_of(&light->tile_arrived, c, y) : NONE, share);
-        put(j->frame, LIGHT + WHOLE + c, row, some ? lane_of(&light->tile_whole, c, y) : NONE, share);
+        const float *whole = some ? lane_of(&light->tile_whole, c, y) : NONE,
+                    *arrived = some ? lane_of(&light->tile_arrived, c, y) : NONE;
+        put(frame, LIGHT + WHOLE + c, row, whole, share);
+        if (has) put_some(frame, g, LIGHT + c, there, arrived, share);
+        if (has && is_half(frame)) put_some(frame, g, LIGHT + WHOLE + c, there, whole, share);
     }
 }
 
@@ -214,14 +269,14 @@ static void keep_light(const tile_job *j, size_t row, int y, float share)
 static float bend_to(const tile_job *j, size_t at, int x, int y, size_t beside, int dx, int dy)
 {
     const daft_frame *f = j->frame;
-    const float *inverse = plane(f, INVERSE), *seen = plane(f, SEEN);
+    const float *inverse = plane(&f->grid, INVERSE), *seen = plane(&f->grid, SEEN);
     if (!(inverse[beside] > 0) || memcmp(&seen[at], &seen[beside], sizeof *seen) != 0) return 0;
     daft_vec3 p[2], n[2];
     for (int k = 0; k < 2; k++) {
         const size_t i = k ? beside : at;
         const daft_vec3 ray = daft_pencil_ray(&f->pencil, j->s->tile.x + x + k * dx, j->s->tile.y + y + k * dy);
         p[k] = daft_scale(ray, 1 / (inverse[i] * j->snapshot->focal));
-        n[k] = daft_v3(plane(f, NORMAL)[i], plane(f, NORMAL + 1)[i], plane(f, NORMAL + 2)[i]);
+        n[k] = daft_v3(plane(&f->grid, NORMAL)[i], plane(&f->grid, NORMAL + 1)[i], plane(&f->grid, NORMAL + 2)[i]);
     }
     const daft_vec3 dp = daft_sub(p[1], p[0]), dn = daft_sub(n[1], n[0]);
     const float bend = sqrtf(daft_dot(dn, dn) / daft_dot(dp, dp));
@@ -232,7 +287,7 @@ static float bend_to(const tile_job *j, size_t at, int x, int y, size_t beside, 
 static float bend_at(const tile_job *j, size_t at, int x, int y)
 {
     const int dx = x ? -1 : 1, dy = y ? -1 : 1;
-    const size_t stride = (size_t)stride_of(j->snapshot), above = dy < 0 ? at - stride : at + stride;
+    const size_t stride = (size_t)j->frame->grid.stride, above = dy < 0 ? at - stride : at + stride;
     const float across = bend_to(j, at, x, y, dx < 0 ? at - 1 : at + 1, dx, 0),
                 down = bend_to(j, at, x, y, above, 0, dy);
     return fabsf(across) > fabsf(down) ? across : down;
@@ -241,7 +296,7 @@ static float bend_at(const tile_job *j, size_t at, int x, int y)
 static void keep_gloss(const tile_job *j, size_t row, int y, float share)
 {
     const daft_gloss *g = j->s->gloss;
-    const float focal = j->snapshot->focal, *inverse = plane(j->frame, INVERSE) + row;
+    const float focal = j->snapshot->focal, *inverse = plane(&j->frame->grid, INVERSE) + row;
     float part[3][DAFT_TILE] = {{0}}, whole[3][DAFT_TILE] = {{0}}, reach[DAFT_TILE] = {0}, behind[DAFT_TILE] = {0};
     for (int x = 0; x < DAFT_TILE; x++) {
         const int pixel = y * DAFT_TILE + x;
@@ -265,38 +320,38 @@ static void keep_gloss(const tile_job *j, size_t row, int y, float share)
 }
 
 /* From sums to ratios, and where there are some. Of light at most all arrives. */
-static void finish_sums(const daft_frame *frame, int kind, size_t row)
+static void finish_sums(const daft_grid *g, int kind, size_t row)
 {
     const int planes = first_plane(kind);
     const float none = kind == DAFT_NOISY_LIGHT ? 1 : 0, most = kind == DAFT_NOISY_LIGHT ? 1 : 0x1p60f;
     float some[DAFT_TILE] = {0};
     for (int c = 0; c < 3; c++) {
-        float *ratio = plane(frame, planes + c) + row;
-        const float *whole = plane(frame, planes + WHOLE + c) + row;
-        for (int x = 0; x < DAFT_TILE; x++) {
+        float *ratio = plane(g, planes + c) + row;
+        const float *whole = plane(g, planes + WHOLE + c) + row;
+        for (int x = 0; x < g->tile; x++) {
             const float found = ratio[x] / whole[x];
             ratio[x] = found >= 0 && found <= most ? found : none; /* 0/0 and what overflows, too */
             some[x] += whole[x];
         }
     }
-    const float *seen = plane(frame, INVERSE) + row;
-    float *inverse = plane(frame, planes + KIND_INVERSE) + row;
-    for (int x = 0; x < DAFT_TILE; x++) inverse[x] = some[x] > 0 ? seen[x] : 0;
+    const float *seen = plane(g, INVERSE) + row;
+    float *inverse = plane(g, planes + KIND_INVERSE) + row;
+    for (int x = 0; x < g->tile; x++) inverse[x] = some[x] > 0 ? seen[x] : 0;
 }
 
-static void finish_tile(const daft_frame *frame, size_t first, uint8_t noisy)
+static void finish_tile(const daft_frame *frame, uint32_t number, uint8_t noisy)
 {
     /* Rays of a point are stratified: the variance of their mean falls with the square of their number, about. */
     const float rays = (float)samples_of(frame), share = 1 / (rays * rays * (float)frame->snapshot->quality.samples);
     for (int kind = DAFT_NOISY_LIGHT; kind <= DAFT_NOISY_GLOSS; kind++) {
-        if (kind == DAFT_NOISY_GLOSS && !frame->plan.glossy) continue;
-        if (!(noisy & kind)) clear(frame, first_plane(kind) + KIND_INVERSE, first);
-        for (int y = 0; noisy & kind && y < DAFT_TILE; y++)
-            finish_sums(frame, kind, first + (size_t)(y * stride_of(frame->snapshot)));
-    }
-    for (int y = 0; noisy & DAFT_NOISY_LIGHT && y < DAFT_TILE; y++) {
-        float *variance = plane(frame, FROM_VARIANCE) + first + y * stride_of(frame->snapshot);
-        for (int x = 0; x < DAFT_TILE; x++) variance[x] = share;
+        const daft_grid *g = grid_of(frame, kind);
+        const size_t first = tile_place(frame, g, number);
+        for (int y = 0; noisy & kind && y < g->tile; y++) {
+            const size_t row = first + (size_t)(y * g->stride);
+            finish_sums(g, kind, row);
+            float *variance = plane(g, FROM_VARIANCE) + row;
+            for (int x = 0; kind == DAFT_NOISY_LIGHT && x < g->tile; x++) variance[x] = share;
+        }
     }
 }
 
@@ -305,7 +360,7 @@ bool daft_denoise_keep(const tile_job *j)
 {
     const daft_frame *frame = j->frame;
     const daft_sampled_light *light = j->s->sampled;
-    const size_t first = tile_place(frame, j->number);
+    const size_t first = tile_place(frame, &frame->grid, j->number);
     const bool many = frame->snapshot->quality.samples > 1;
     const float share = 1 / (float)frame->snapshot->quality.samples;
     uint8_t *noisy = &j->r->noisy[j->number - frame->first_tile];
@@ -313,13 +368,13 @@ bool daft_denoise_keep(const tile_job *j)
         (light && light->tile_some ? DAFT_NOISY_LIGHT : 0) | (j->s->gloss && j->s->gloss->some ? DAFT_NOISY_GLOSS : 0);
     if (*noisy || many) {
         for (int y = 0; y < DAFT_TILE; y++) {
-            const size_t row = first + (size_t)(y * stride_of(frame->snapshot));
+            const size_t row = first + (size_t)(y * frame->grid.stride);
             keep_sharp(j, row, y, share);
             if (many || *noisy & DAFT_NOISY_LIGHT) keep_light(j, row, y, share);
             if (frame->plan.glossy && (many || *noisy & DAFT_NOISY_GLOSS)) keep_gloss(j, row, y, share);
         }
     }
-    if (is_last(frame)) finish_tile(frame, first, *noisy);
+    if (is_last(frame)) finish_tile(frame, j->number, *noisy);
     return *noisy || many;
 }
 
@@ -328,67 +383,96 @@ bool daft_denoise_keep(const tile_job *j)
 static void reuse_pixel(const daft_frame *frame, int kind, daft_seen_pixel *seen, size_t at)
 {
     const int planes = first_plane(kind);
+    const daft_grid *g = grid_of(frame, kind);
     daft_past *past = &frame->snapshot->past[kind == DAFT_NOISY_GLOSS ? DAFT_PAST_GLOSS : DAFT_PAST_LIGHT];
     float ratio[3];
-    seen->inverse = plane(frame, planes + KIND_INVERSE)[at];
+    seen->inverse = plane(g, planes + KIND_INVERSE)[at];
     if (!(seen->inverse > 0)) {
         daft_past_pixel_clear(past, seen->x, seen->y);
         return;
     }
-    seen->shown = kind == DAFT_NOISY_GLOSS ? plane(frame, VIRTUAL)[at] : seen->inverse;
-    memcpy(&seen->instance, &plane(frame, SEEN)[at], sizeof seen->instance);
-    for (int c = 0; c < 3; c++) ratio[c] = plane(frame, planes + c)[at];
+    seen->shown = kind == DAFT_NOISY_GLOSS ? plane(g, VIRTUAL)[at] : seen->inverse;
+    memcpy(&seen->instance, &plane(g, SEEN)[at], sizeof seen->instance);
+    for (int c = 0; c < 3; c++) ratio[c] = plane(g, planes + c)[at];
     const float pictures = daft_past_pixel_reuse(past, frame->snapshot, seen, ratio);
-    if (kind == DAFT_NOISY_LIGHT) plane(frame, FROM_VARIANCE)[at] /= pictures * pictures;
-    for (int c = 0; c < 3; c++) plane(frame, planes + c)[at] = ratio[c];
+    if (kind == DAFT_NOISY_LIGHT) plane(g, FROM_VARIANCE)[at] /= pictures * pictures;
+    for (int c = 0; c < 3; c++) plane(g, planes + c)[at] = ratio[c];
+}
+
+static void reuse_tile(const daft_frame *frame, const daft_tile *tile, uint32_t number, int kind, bool noisy)
+{
+    const daft_grid *g = grid_of(frame, kind);
+    daft_past *past = &frame->snapshot->past[kind == DAFT_NOISY_GLOSS ? DAFT_PAST_GLOSS : DAFT_PAST_LIGHT];
+    const size_t first = tile_place(frame, g, number);
+    for (int y = 0; y * g->step + g->y < tile->height; y++)
+        for (int x = 0; x * g->step + g->x < tile->width; x++) {
+            daft_seen_pixel seen = {.x = tile->x / g->step + x, .y = tile->y / g->step + y};
+            if (noisy) {
+                seen.ray = daft_pencil_ray(&frame->pencil, tile->x + x * g->step + g->x, tile->y + y * g->step + g->y);
+                reuse_pixel(frame, kind, &seen, first + (size_t)(y * g->stride + x));
+            } else {
+                daft_past_pixel_clear(past, seen.x, seen.y);
+            }
+        }
 }
 
 /* Rows of the band alone are remembered. */
 static void reuse_task(void *context, uint32_t index, uint32_t worker)
 {
     daft_frame *frame = context;
-    const daft_snapshot *s = frame->snapshot;
     if (atomic_load_explicit(&frame->cancelled, memory_order_relaxed)) return;
     const uint64_t since = daft_clock_ticks();
     const tile_job j = daft_tile_again(frame, index, worker);
-    const daft_tile *tile = &j.s->tile;
-    const size_t first = tile_place(frame, j.number), stride = (size_t)stride_of(s);
-    const int noisy = frame->renderer->noisy[index];
-    for (int y = 0; y < tile->height; y++)
-        for (int x = 0; x < tile->width; x++) {
-            daft_seen_pixel seen = {.x = tile->x + x, .y = tile->y + y};
-            seen.ray = daft_pencil_ray(&frame->pencil, seen.x, seen.y);
-            for (int kind = DAFT_NOISY_LIGHT; kind <= DAFT_NOISY_GLOSS; kind++) {
-                if (!(frame->filtered & kind)) continue;
-                if (noisy & kind)
-                    reuse_pixel(frame, kind, &seen, first + (size_t)y * stride + (size_t)x);
-                else
-                    daft_past_pixel_clear(&s->past[kind == DAFT_NOISY_GLOSS ? DAFT_PAST_GLOSS : DAFT_PAST_LIGHT],
-                                          seen.x, seen.y);
-            }
-        }
+    for (int kind = DAFT_NOISY_LIGHT; kind <= DAFT_NOISY_GLOSS; kind++)
+        if (frame->filtered & kind) reuse_tile(frame, &j.s->tile, j.number, kind, frame->renderer->noisy[index] & kind);
     j.s->ticks[DAFT_EFFECT_DENOISE] += daft_clock_ticks() - since;
+}
+
+/* The planes of a grid's pixels for the filter, of the kind that runs. */
+static daft_filter filter_on(const daft_frame *frame, const daft_grid *g)
+{
+    const daft_vec3 ray = daft_pencil_ray(&frame->pencil, g->x, first_row(frame) + g->y);
+    const float step = (float)g->step;
+    daft_filter f = {.stride = g->stride,
+                     .height = g->rows,
+                     .step = 1,
+                     .left = ray.x / step,
+                     .top = ray.y / step,
+                     .focal = ray.z / step};
+    for (int c = 0; c < 3; c++) f.normal[c] = plane(g, NORMAL + c);
+    return f;
 }
 
 static daft_filter filter_of(const daft_frame *frame)
 {
     const bool odd = frame->filter_pass % 2;
     const int planes = first_plane(frame->filtered), from = odd ? TO : planes, to = odd ? planes : TO;
-    const daft_vec3 ray =
-        daft_pencil_ray(&frame->pencil, 0, (int)(frame->first_tile / daft_tile_columns(frame->snapshot)) * DAFT_TILE);
-    daft_filter f = {.stride = stride_of(frame->snapshot),
-                     .height = (int)(frame->tile_count / daft_tile_columns(frame->snapshot)) * DAFT_TILE,
-                     .step = 1 << frame->filter_pass,
-                     .left = ray.x,
-                     .top = ray.y,
-                     .focal = ray.z,
-                     .inverse = plane(frame, planes + KIND_INVERSE),
-                     .reach = frame->filtered == DAFT_NOISY_GLOSS ? plane(frame, REACH) : NULL,
-                     .from_variance = plane(frame, odd ? TO_VARIANCE : FROM_VARIANCE),
-                     .to_variance = plane(frame, odd ? FROM_VARIANCE : TO_VARIANCE)};
-    for (int c = 0; c < 3; c++)
-        f.from[c] = plane(frame, from + c), f.to[c] = plane(frame, to + c), f.normal[c] = plane(frame, NORMAL + c);
+    const daft_grid *g = grid_of(frame, frame->filtered);
+    daft_filter f = filter_on(frame, g);
+    f.step = 1 << frame->filter_pass;
+    f.inverse = plane(g, planes + KIND_INVERSE);
+    f.reach = frame->filtered == DAFT_NOISY_GLOSS ? plane(g, REACH) : NULL;
+    f.from_variance = plane(g, odd ? TO_VARIANCE : FROM_VARIANCE);
+    f.to_variance = plane(g, odd ? FROM_VARIANCE : TO_VARIANCE);
+    for (int c = 0; c < 3; c++) f.from[c] = plane(g, from + c), f.to[c] = plane(g, to + c);
     return f;
+}
+
+/* Half the resolution doubles the reach. */
+static int passes_of(const daft_frame *frame)
+{
+    return frame->filtered == DAFT_NOISY_LIGHT && is_half(frame) ? PASSES - 1 : PASSES;
+}
+
+/* From the light's pixels, one in four, to all. An odd number of passes leaves it in other planes. */
+static void enlarge(const daft_frame *frame, const daft_tile *tile)
+{
+    const daft_grid *full = &frame->grid, *g = &frame->light_grid;
+    daft_enlarging e = {.to = filter_on(frame, full), .from = filter_on(frame, g), .x = g->x, .y = g->y};
+    e.to.inverse = plane(full, INVERSE), e.from.inverse = plane(g, LIGHT + KIND_INVERSE);
+    for (int c = 0; c < 3; c++)
+        e.to.to[c] = plane(full, LIGHT + c), e.from.from[c] = plane(g, (passes_of(frame) % 2 ? TO : LIGHT) + c);
+    frame->renderer->kernels->enlarge(&e, tile->x, tile->y - first_row(frame), DAFT_TILE, DAFT_TILE);
 }
 
 typedef void filter_kernel(const daft_filter *filter, int x, int y, int width, int height);
@@ -400,8 +484,9 @@ static void run(daft_frame *frame, uint32_t index, uint32_t worker, filter_kerne
         return;
     const uint32_t columns = daft_tile_columns(frame->snapshot);
     const daft_filter f = filter_of(frame);
+    const int tile = grid_of(frame, frame->filtered)->tile;
     const uint64_t since = daft_clock_ticks();
-    kernel(&f, (int)(index % columns) * DAFT_TILE, (int)(index / columns) * DAFT_TILE, DAFT_TILE, DAFT_TILE);
+    kernel(&f, (int)(index % columns) * tile, (int)(index / columns) * tile, tile, tile);
     frame->renderer->scratch[worker].ticks[DAFT_EFFECT_DENOISE] += daft_clock_ticks() - since;
 }
 
@@ -427,7 +512,7 @@ static void pass_task(void *context, uint32_t index, uint32_t worker)
 static void add_filtered(const daft_frame *frame, int kind, size_t row, int c, float *color)
 {
     const int planes = first_plane(kind);
-    const float *ratio = plane(frame, planes + c) + row, *whole = plane(frame, planes + WHOLE + c) + row;
+    const float *ratio = plane(&frame->grid, planes + c) + row, *whole = plane(&frame->grid, planes + WHOLE + c) + row;
     for (int x = 0; x < DAFT_TILE; x++) color[x] += whole[x] * ratio[x];
 }
 
@@ -440,13 +525,16 @@ static void finish_task(void *context, uint32_t index, uint32_t worker)
     daft_scratch *s = &r->scratch[worker];
     tile_job j = daft_tile_again(frame, index, worker);
     j.refines = false, j.color = &s->color;
-    const size_t first = tile_place(frame, j.number);
+    const size_t first = tile_place(frame, &frame->grid, j.number);
+    const uint64_t since = daft_clock_ticks();
+    if (is_half(frame) && r->noisy[index] & DAFT_NOISY_LIGHT) enlarge(frame, &s->tile);
+    s->ticks[DAFT_EFFECT_DENOISE] += daft_clock_ticks() - since;
     float *const color[3] = {s->color.x, s->color.y, s->color.z};
     for (int c = 0; c < 3; c++)
         for (int y = 0; y < DAFT_TILE; y++) {
-            const size_t row = first + (size_t)(y * stride_of(frame->snapshot));
+            const size_t row = first + (size_t)(y * frame->grid.stride);
             float *to = color[c] + y * DAFT_TILE;
-            memcpy(to, plane(frame, SHARP + c) + row, DAFT_TILE * sizeof *to);
+            memcpy(to, plane(&frame->grid, SHARP + c) + row, DAFT_TILE * sizeof *to);
             for (int kind = DAFT_NOISY_LIGHT; kind <= DAFT_NOISY_GLOSS; kind++)
                 if (r->noisy[index] & kind) add_filtered(frame, kind, row, c, to);
         }
@@ -460,7 +548,7 @@ static void filter_kind(daft_frame *frame, int kind)
     frame->filtered = kind, frame->filter_pass = 0;
     daft_parallel_for(threads, frame->tile_count, noise_task, frame);
     daft_parallel_for(threads, frame->tile_count, spread_task, frame);
-    for (; frame->filter_pass < PASSES; frame->filter_pass++)
+    for (; frame->filter_pass < passes_of(frame); frame->filter_pass++)
         daft_parallel_for(threads, frame->tile_count, pass_task, frame);
 }
 
@@ -483,6 +571,78 @@ bool daft_denoise(daft_frame *frame, daft_error *error)
         if (noisy & kind) filter_kind(frame, kind);
     daft_parallel_for(r->threads, frame->tile_count, finish_task, frame);
     return !atomic_load(&frame->cancelled) || daft_fail(error, DAFT_ERROR_CANCELLED, "rendering was stopped");
+}
+
+/* ---- more samples of some pixels ---- */
+
+/* How much a pixel of the picture is like a point: 0, if it sees another instance or nothing was sampled there. */
+static float alike(const tile_job *j, int x, int y, const seen_plane *point, size_t *at)
+{
+    const daft_grid *g = &j->frame->grid;
+    const int row = y - first_row(j->frame), columns = (int)daft_tile_columns(j->snapshot);
+    if (x < 0 || x >= j->snapshot->width || row < 0 || row >= g->rows) return 0;
+    if (!(j->r->noisy[row / DAFT_TILE * columns + x / DAFT_TILE] & DAFT_NOISY_LIGHT)) return 0;
+    *at = (size_t)row * (size_t)g->stride + (size_t)x;
+    if (!(plane(g, INVERSE)[*at] > 0) || memcmp(&plane(g, SEEN)[*at], &point->instance, sizeof point->instance) != 0)
+        return 0;
+    float facing = 0;
+    for (int c = 0; c < 3; c++) facing += plane(g, NORMAL + c)[*at] * point->normal[c];
+    return facing > 0 ? facing * facing * facing * facing : 0;
+}
+
+/* The mean fraction of the pixels around (x, y) that are like the point; false: none is. */
+static bool recall(const tile_job *j, int x, int y, const seen_plane *point, float fraction[3])
+{
+    enum { AROUND = 9, OWN = 4 };
+    const daft_grid *g = &j->frame->grid;
+    float sum = 0;
+    for (int c = 0; c < 3; c++) fraction[c] = 0;
+    for (int k = 0; k < AROUND; k++) {
+        const int turn = (OWN + k) % AROUND; /* the pixel itself first: it is most often enough */
+        const bool own = turn == OWN;
+        size_t at = 0;
+        const float weight = alike(j, x + turn % 3 - 1, y + turn / 3 - 1, point, &at);
+        if (!(weight > 0)) continue;
+        for (int c = 0; c < 3; c++) fraction[c] += weight * plane(g, LIGHT + c)[at];
+        sum += weight;
+        if (own && weight > 0.8f) break;
+    }
+    for (int c = 0; c < 3; c++) fraction[c] = sum > 0 ? fraction[c] / sum : 0;
+    return sum > 0;
+}
+
+/* The fraction of a pixel itself, which counts all that its paths meet; false: nothing was sampled there, or what a
+ * rough surface shows was filtered apart. */
+static bool recall_own(const tile_job *j, int x, int y, float fraction[3])
+{
+    const daft_grid *g = &j->frame->grid;
+    const int row = y - first_row(j->frame), columns = (int)daft_tile_columns(j->snapshot);
+    const size_t at = (size_t)row * (size_t)g->stride + (size_t)x;
+    if (!(j->r->noisy[row / DAFT_TILE * columns + x / DAFT_TILE] & DAFT_NOISY_LIGHT)) return false;
+    if (!(plane(g, INVERSE)[at] > 0)) return false;
+    if (j->frame->plan.glossy && plane(g, GLOSS + KIND_INVERSE)[at] > 0) return false;
+    for (int c = 0; c < 3; c++) fraction[c] = plane(g, LIGHT + c)[at];
+    return true;
+}
+
+void daft_denoise_recall(const tile_job *j, const daft_batch *points, bool seen)
+{
+    daft_sampled_light *light = j->s->sampled;
+    const daft_vec3 axes[3] = {j->snapshot->right, j->snapshot->up, j->snapshot->forward};
+    const int columns = (int)daft_tile_columns(j->snapshot), left = (int)j->number % columns * DAFT_TILE,
+              top = (int)j->number / columns * DAFT_TILE;
+    memset(light->recalled, 0, sizeof light->recalled);
+    for (uint32_t i = 0; i < points->count; i++) {
+        const int place = (int)j->s->wanted[points->pixel[i]];
+        const daft_vec3 n = daft_v3(points->normal.x[i], points->normal.y[i], points->normal.z[i]);
+        seen_plane point = {.instance = points->instance[i]};
+        float fraction[3];
+        for (int c = 0; c < 3; c++) point.normal[c] = daft_dot(n, axes[c]);
+        const int x = left + place % DAFT_TILE, y = top + place / DAFT_TILE;
+        if (!(seen ? recall(j, x, y, &point, fraction) : recall_own(j, x, y, fraction))) continue;
+        light->recalled[i / 32] |= 1u << (i % 32);
+        light->fraction.x[i] = fraction[0], light->fraction.y[i] = fraction[1], light->fraction.z[i] = fraction[2];
+    }
 }
 
 size_t daft_denoise_bytes(const daft_renderer *r) { return r->plane_capacity * sizeof *r->planes; }

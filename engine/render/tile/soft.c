@@ -23,8 +23,9 @@ static daft_dice throw_dice(const tile_job *j, const daft_batch *points, uint32_
 {
     const uint32_t place = j->refines ? j->s->wanted[points->pixel[i]] : points->pixel[i];
     const uint32_t x = j->number % daft_tile_columns(j->snapshot) * DAFT_TILE + place % DAFT_TILE,
-                   y = j->number / daft_tile_columns(j->snapshot) * DAFT_TILE + place / DAFT_TILE;
-    return daft_dice_throw(x, y, (uint32_t)j->frame->sample + j->snapshot->seed, salt);
+                   y = j->number / daft_tile_columns(j->snapshot) * DAFT_TILE + place / DAFT_TILE,
+                   step = (uint32_t)j->frame->light_grid.step;
+    return daft_dice_throw(x / step, y / step, (uint32_t)j->frame->sample + j->snapshot->seed, salt);
 }
 
 /* Point `k` of `count` in the unit disc. */
@@ -206,6 +207,21 @@ static float make_ray(const tile_job *j, const daft_batch *points, uint32_t i, c
     return 1 / (float)rays;
 }
 
+/* The points of which rays are cast: of those that are to be filtered the ones of the grid, and where rough surfaces
+ * show them, which is filtered by itself, all; of more samples, those that recall nothing. */
+static void choose(const tile_job *j, const daft_batch *points, const uint32_t *bits, uint32_t *chosen)
+{
+    const daft_grid *g = &j->frame->light_grid;
+    const daft_sampled_light *light = j->s->sampled;
+    for (uint32_t k = 0; k < DAFT_BATCH_WORDS; k++)
+        chosen[k] = light->recalls ? bits[k] & ~light->recalled[k] : bits[k];
+    for (uint32_t i = 0; g->step > 1 && !j->refines && i < points->count; i++) {
+        const uint32_t pixel = points->pixel[i];
+        if (!daft_grid_has(g, pixel % DAFT_TILE, pixel / DAFT_TILE) && !daft_gloss_is_rough(j->s->gloss, pixel))
+            chosen[i / 32] &= ~(1u << (i % 32));
+    }
+}
+
 /* What fraction of the light, or with NULL of what is around, arrives at each point of the bits. */
 static void sample(tile_job *j, const daft_batch *points, const daft_light_source *light, uint32_t salt,
                    const uint32_t *bits, float *open)
@@ -213,14 +229,16 @@ static void sample(tile_job *j, const daft_batch *points, const daft_light_sourc
     const daft_effect_kind effect = light ? DAFT_EFFECT_SHADOW : DAFT_EFFECT_OCCLUSION;
     const daft_quality *quality = &j->snapshot->quality;
     const uint32_t rays = (uint32_t)daft_max_i(light ? quality->shadow_samples : quality->occlusion_samples, 1);
+    uint32_t chosen[DAFT_BATCH_WORDS];
     float all[DAFT_BATCH_ROOM];
     ray_queue q;
     q.count = 0;
+    choose(j, points, bits, chosen);
     memset(open, 0, points->count * sizeof *open);
     memset(all, 0, points->count * sizeof *all);
     for (uint32_t k = 0; k < rays; k++) {
         for (uint32_t i = 0; i < points->count; i++) {
-            if (!(bits[i / 32] >> (i % 32) & 1)) continue;
+            if (!(chosen[i / 32] >> (i % 32) & 1)) continue;
             const float weight = make_ray(j, points, i, light, k, rays, salt, &q.ray[q.count]);
             if (!(weight > 0)) continue;
             daft_cost_add(j, &points->pixel[i], 1);
@@ -298,8 +316,9 @@ void daft_tile_soft_light(tile_job *j, daft_batch *points, uint32_t number, cons
 void daft_tile_add_sampled(const daft_sampled_light *s, daft_batch *points)
 {
     for (uint32_t i = 0; i < points->count; i++) {
-        points->light.x[i] += s->arrived.x[i];
-        points->light.y[i] += s->arrived.y[i];
-        points->light.z[i] += s->arrived.z[i];
+        const bool known = s->recalls && s->recalled[i / 32] >> (i % 32) & 1;
+        points->light.x[i] += known ? s->whole.x[i] * s->fraction.x[i] : s->arrived.x[i];
+        points->light.y[i] += known ? s->whole.y[i] * s->fraction.y[i] : s->arrived.y[i];
+        points->light.z[i] += known ? s->whole.z[i] * s->fraction.z[i] : s->arrived.z[i];
     }
 }

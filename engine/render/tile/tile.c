@@ -124,7 +124,11 @@ static void light_points(tile_job *j, daft_batch *points, int depth)
     const daft_snapshot *snapshot = j->snapshot;
     const bool seen = depth == 0;
     const daft_ambient *first = &snapshot->ambient;
-    if (j->s->sampled) j->s->sampled->some = false;
+    if (j->s->sampled) {
+        j->s->sampled->some = false;
+        j->s->sampled->recalls = j->refines && j->frame->plan.denoise;
+        if (j->s->sampled->recalls) daft_denoise_recall(j, points, seen);
+    }
     if (points->traits & (DAFT_TRAIT_TEXTURE | DAFT_TRAIT_VARIES)) read_maps(j, points, depth);
     if (j->frame->plan.occlusion && points->count) daft_tile_occlusion(j, points), first = NULL;
     const surroundings around = where(j, points);

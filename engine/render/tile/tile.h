@@ -55,6 +55,9 @@ void daft_denoise_begin(const tile_job *j);
 void daft_denoise_see(const tile_job *j);
 void daft_denoise_take(const tile_job *j, daft_batch *points, bool seen);
 bool daft_denoise_keep(const tile_job *j);
+/* Of more samples of some pixels, once the picture is filtered: what pixels like them found, into s->sampled; of
+ * points that mirrors and glass show, what the pixel itself did. */
+void daft_denoise_recall(const tile_job *j, const daft_batch *points, bool seen);
 /* gloss.c: what rough surfaces send on, of a tile whose pixels see some: their light so far is all that is sharp; the
  * rays that these pixels have sent; and what the rays met. Only where the frame filters it (s->gloss). */
 void daft_gloss_begin(const tile_job *j, const daft_batch *points);

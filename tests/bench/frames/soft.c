@@ -113,7 +113,7 @@ static void close_show(soft_show *s)
 /* One row's settings. */
 typedef struct setting {
     int rays, samples;
-    bool denoise, moves;
+    bool denoise, half, moves;
 } setting;
 
 /* Milliseconds; negative on failure. */
@@ -147,7 +147,8 @@ static double draw(soft_show *s, const setting *how, int runs, int threads, daft
 {
     double best = -1;
     s->view.quality.shadow_samples = s->view.quality.occlusion_samples = s->view.quality.glossy_samples = how->rays;
-    s->view.quality.denoise = how->denoise, s->view.quality.samples = how->samples;
+    s->view.quality.denoise = how->denoise, s->view.quality.half_light = how->half;
+    s->view.quality.samples = how->samples;
     for (int i = 0; i < runs; i++) {
         double ms = how->moves ? draw_moving(s, threads, error) : draw_once(s, threads, error);
         if (ms < 0) return -1;
@@ -192,8 +193,9 @@ static bool measure(bench *self, soft_show *s, const char *name, const setting *
     if (row.ours < 0 || !metrics_compare(daft_image_pixels(s->image), s->truth, WIDTH, HEIGHT, NULL, &e, error))
         return false;
     snprintf(row.scene, sizeof row.scene, "%s", name);
-    snprintf(row.what, sizeof row.what, "%s%d ray%s%s%s", how->samples > 1 ? "4 samples, " : "", how->rays,
-             how->rays == 1 ? "" : "s", how->denoise ? ", denoised" : "", how->moves ? ", after 8 pictures" : "");
+    snprintf(row.what, sizeof row.what, "%s%d ray%s%s%s%s", how->samples > 1 ? "4 samples, " : "", how->rays,
+             how->rays == 1 ? "" : "s", how->denoise ? ", denoised" : "", how->half ? ", half light" : "",
+             how->moves ? ", after 8 pictures" : "");
     const daft_effect *effects = daft_scene_counters(s->scene)->effects;
     snprintf(row.counters, sizeof row.counters,
              "FLIP %.4f, RMSE %.4f; ms: shadow %.1f occlusion %.1f reflection %.1f denoise %.1f", e.flip, e.rmse,
@@ -205,9 +207,18 @@ static bool measure(bench *self, soft_show *s, const char *name, const setting *
 void bench_denoise(bench *self)
 {
     static const char *const NAMES[] = {"lamps", "studio", "hello", "temple", "islands", "forest", "hall", "town"};
-    static const setting SETTINGS[] = {
-        {1, 1, false, false}, {1, 1, true, false},  {1, 1, true, true},    {2, 1, false, false}, {4, 1, false, false},
-        {4, 1, true, false},  {8, 1, false, false}, {16, 1, false, false}, {1, 4, false, false}, {1, 4, true, false}};
+    static const setting SETTINGS[] = {{.rays = 1, .samples = 1},
+                                       {.rays = 1, .samples = 1, .denoise = true},
+                                       {.rays = 1, .samples = 1, .denoise = true, .half = true},
+                                       {.rays = 1, .samples = 1, .denoise = true, .moves = true},
+                                       {.rays = 1, .samples = 1, .denoise = true, .half = true, .moves = true},
+                                       {.rays = 2, .samples = 1},
+                                       {.rays = 4, .samples = 1},
+                                       {.rays = 4, .samples = 1, .denoise = true},
+                                       {.rays = 8, .samples = 1},
+                                       {.rays = 16, .samples = 1},
+                                       {.rays = 1, .samples = 4},
+                                       {.rays = 1, .samples = 4, .denoise = true}};
     int counts[2], count = bench_thread_counts(self, counts);
     for (size_t i = 0; i < DAFT_COUNT_OF(NAMES); i++) {
         char name[64], text[1200];

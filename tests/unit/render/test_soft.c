@@ -142,6 +142,7 @@ static void lights_out_of_sight_are_not_asked(void **unused)
         stage *s = stage_make(2, NULL);
         daft_error error = {0};
         s->view.camera.position = (daft_dvec3){0, 2, 0}, s->view.camera.pitch = 0.3f;
+        s->view.quality.half_light = false;
         add_box(s, (daft_dvec3){0, -0.05, 0}, (daft_vec3){60, 0.1f, 60});
         add_box(s, (daft_dvec3){6, 0.5, 1}, (daft_vec3){1, 1, 1});
         for (int i = 0; i < 64; i++) {
@@ -263,11 +264,47 @@ static void nothing_is_sampled_that_nobody_asked_for(void **unused)
 
 /* ---- denoising ---- */
 
+static daft_vec3 byte_color(const stage *s, int pixel)
+{
+    const uint8_t *p = daft_image_pixels(s->image) + 4 * pixel;
+    return (daft_vec3){(float)p[0] / 255, (float)p[1] / 255, (float)p[2] / 255};
+}
+
+static float distance2(daft_vec3 a, daft_vec3 b)
+{
+    const float x = a.x - b.x, y = a.y - b.y, z = a.z - b.z;
+    return x * x + y * y + z * z;
+}
+
 static void furnish(stage *s)
 {
     daft_error error = {0};
     if (!daft_scene_load(s->scene, DAFT_ROOT "/assets/scenes/lamps.scene", &error)) fail_msg("%s", error.message);
     assert_true(daft_scene_get_camera(s->scene, 0, &s->view.camera, &error));
+}
+
+/* A ball that passes leaves nothing in a tile that then sees the sky alone, also for the filter of tiles beside it. */
+static void tiles_that_see_the_sky_are_not_filtered(void **unused)
+{
+    (void)unused;
+    daft_error error = {0};
+    stage *s = stage_make(2, NULL), *fresh = stage_make(2, NULL), *both[2] = {s, fresh};
+    daft_entity ball = {0};
+    for (int k = 0; k < 2; k++) {
+        furnish(both[k]);
+        daft_scene_set_sky_color(both[k]->scene, (daft_vec3){0.1f, 0.2f, 0.3f});
+    }
+    daft_entity_def def = daft_default_entity_def();
+    const daft_camera *c = &s->view.camera;
+    def.shape = DAFT_SHAPE_SPHERE, def.radius = 3, def.position = c->position;
+    def.position.x += 6 * cos((double)c->yaw), def.position.z += 6 * sin((double)c->yaw);
+    ball = daft_entity_create(s->scene, &def, &error);
+    assert_true(ball.id);
+    draw(s);
+    assert_true(daft_entity_destroy(s->scene, ball, &error));
+    draw(s), draw(fresh);
+    assert_memory_equal(daft_image_pixels(s->image), daft_image_pixels(fresh->image), 4 * PIXELS);
+    stage_drop(s), stage_drop(fresh);
 }
 
 /* Far closer where rays are few, and no farther off where they are many. */
@@ -277,7 +314,7 @@ static void denoised_is_closer(void **unused)
     static daft_vec3 truth[PIXELS];
     stage *s = stage_make(2, NULL);
     furnish(s);
-    s->view.quality.edge_samples = 0, s->view.quality.denoise = 0;
+    s->view.quality.edge_samples = 0, s->view.quality.denoise = 0, s->view.quality.half_light = 0;
     s->view.quality.shadow_samples = s->view.quality.occlusion_samples = 64;
     draw(s);
     memcpy(truth, s->color, sizeof truth);
@@ -291,6 +328,62 @@ static void denoised_is_closer(void **unused)
         print_message("%d samples: error %.4f, denoised %.4f\n", 1 << 2 * k, raw[k], filtered[k]);
     }
     assert_true(filtered[0] < 0.45 * raw[0] && filtered[1] < 0.75 * raw[1] && filtered[2] < 1.05 * raw[2]);
+    stage_drop(s);
+}
+
+/* Half the resolution asks a quarter of the rays, and comes nearly as close. Without a filter it changes nothing. */
+static void half_the_resolution_is_nearly_as_close(void **unused)
+{
+    (void)unused;
+    static daft_vec3 truth[PIXELS], plain[PIXELS];
+    double off[2];
+    uint64_t rays[2];
+    stage *s = stage_make(2, NULL);
+    furnish(s);
+    s->view.quality.edge_samples = 0, s->view.quality.denoise = 0;
+    s->view.quality.shadow_samples = s->view.quality.occlusion_samples = 64;
+    draw(s);
+    memcpy(truth, s->color, sizeof truth);
+    for (int half = 0; half < 2; half++) {
+        s->view.quality.shadow_samples = s->view.quality.occlusion_samples = 1;
+        s->view.quality.half_light = half;
+        s->view.quality.denoise = 0, draw(s);
+        if (half == 0) memcpy(plain, s->color, sizeof plain);
+        assert_memory_equal(plain, s->color, sizeof plain);
+        s->view.quality.denoise = 1;
+        rays[half] = draw(s)->effects[DAFT_EFFECT_OCCLUSION].rays;
+        off[half] = distance(s->color, truth);
+    }
+    print_message("error %.4f by %llu rays, %.4f by %llu\n", off[0], (unsigned long long)rays[0], off[1],
+                  (unsigned long long)rays[1]);
+    assert_true(off[1] < 1.5 * off[0] && 3 * rays[1] < rays[0]);
+    stage_drop(s);
+}
+
+/* More samples at edges take the filtered light of pixels like them: no grain, and hardly a ray more. */
+static void edges_are_as_smooth_as_what_is_filtered(void **unused)
+{
+    (void)unused;
+    static daft_vec3 truth[PIXELS];
+    double off[2];
+    uint64_t rays[2];
+    stage *s = stage_make(2, NULL);
+    furnish(s);
+    s->view.quality.samples = 16, s->view.quality.edge_samples = 0, s->view.quality.denoise = 0;
+    s->view.quality.shadow_samples = s->view.quality.occlusion_samples = 16;
+    draw(s);
+    for (int i = 0; i < PIXELS; i++) truth[i] = byte_color(s, i);
+    for (int k = 0; k < 2; k++) {
+        s->view.quality = daft_preset_quality(DAFT_PRESET_GAME);
+        s->view.quality.edge_samples = k ? 16 : 0;
+        rays[k] = draw(s)->effects[DAFT_EFFECT_OCCLUSION].rays;
+        off[k] = 0;
+        for (int i = 0; i < PIXELS; i++) off[k] += (double)distance2(byte_color(s, i), truth[i]);
+        off[k] = sqrt(off[k] / PIXELS);
+    }
+    print_message("edges: error %.4f, without %.4f; %llu rays of %llu\n", off[1], off[0], (unsigned long long)rays[1],
+                  (unsigned long long)rays[0]);
+    assert_true(off[1] < 0.8 * off[0] && (double)rays[1] < 1.5 * (double)rays[0]);
     stage_drop(s);
 }
 
@@ -391,6 +484,9 @@ int main(void)
                                        cmocka_unit_test(lights_out_of_sight_are_not_asked),
                                        cmocka_unit_test(nothing_is_sampled_that_nobody_asked_for),
                                        cmocka_unit_test(denoised_is_closer),
+                                       cmocka_unit_test(half_the_resolution_is_nearly_as_close),
+                                       cmocka_unit_test(edges_are_as_smooth_as_what_is_filtered),
+                                       cmocka_unit_test(tiles_that_see_the_sky_are_not_filtered),
                                        cmocka_unit_test(pictures_that_follow_each_other_help),
                                        cmocka_unit_test(what_was_hidden_begins_anew),
                                        cmocka_unit_test(denoised_pictures_are_the_same_everywhere)};

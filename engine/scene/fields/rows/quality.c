@@ -34,6 +34,8 @@ static const daft_field QUALITY_ROWS[] = {
     KNOB(glossy_samples, FROM(0, 64), .initial = {1}, .doc = "Rays that a rough surface sends on; 0: none is rough"),
     CHOICE(texture_filter, FILTERS, .doc = "What a texture's colour at a point is made of"),
     KNOB(denoise, .initial = {1}, .doc = "Whether what is sampled is filtered"),
+    KNOB(half_light, .initial = {1},
+         .doc = "Whether sampled shadows and occlusion that are filtered are found for one pixel in four"),
 };
 
 const daft_field_list daft_quality_fields = DAFT_FIELD_LIST(daft_quality, QUALITY_ROWS);
