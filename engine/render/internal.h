@@ -39,8 +39,8 @@ typedef struct daft_grid {
 
 static inline bool daft_grid_has(const daft_grid *g, uint32_t x, uint32_t y)
 {
-    const uint32_t step = (uint32_t)g->step;
-    return x % step == (uint32_t)g->x && y % step == (uint32_t)g->y;
+    const uint32_t within = (uint32_t)g->step - 1; /* steps are powers of two */
+    return ((x & within) == (uint32_t)g->x) & ((y & within) == (uint32_t)g->y);
 }
 
 /* Light of points that is sampled (tile/soft.c). */

@@ -136,6 +136,20 @@ typedef struct daft_enlarging {
     int x, y;
 } daft_enlarging;
 
+/* What pixels of a grid found of a kind of sampled light, to be joined with the picture before: `past` is read and
+ * written, and so are the ratio and, where not NULL, its variance. */
+typedef struct daft_reusing {
+    const daft_snapshot *snapshot;
+    daft_past *past;
+    daft_filter grid;            /* the ray of the first pixel, and the stride of planes */
+    int first_row;               /* of the past, that planes begin with */
+    bool remembers;              /* there is a picture before */
+    const float *inverse, *seen; /* of the depth; the instance */
+    const float *shown;          /* the inverse depth of what is shown: farther than a surface that mirrors; 0: the sky;
+                                    NULL: the surface's own */
+    float *ratio[3], *variance;
+} daft_reusing;
+
 /* What single rays of a pencil see, and the number under which their light is wanted. */
 typedef struct daft_seen_list {
     uint32_t count;
@@ -175,6 +189,8 @@ typedef struct daft_render_kernels {
     void (*filter_noise)(const daft_filter *filter, int x, int y, int width, int height);
     void (*filter_spread)(const daft_filter *filter, int x, int y, int width, int height);
     void (*filter_pass)(const daft_filter *filter, int x, int y, int width, int height);
+    /* The pixels x.., y.. of the grid. */
+    void (*reuse)(const daft_reusing *reusing, int x, int y, int width, int height);
     /* The pixels x.., y.. of those that are enlarged to. */
     void (*enlarge)(const daft_enlarging *enlarging, int x, int y, int width, int height);
 } daft_render_kernels;
@@ -193,6 +209,7 @@ void DAFT_KERNEL(daft_find_contrast)(const daft_neighbours *neighbours, const da
 void DAFT_KERNEL(daft_filter_noise)(const daft_filter *f, int x0, int y0, int width, int height);
 void DAFT_KERNEL(daft_filter_spread)(const daft_filter *f, int x0, int y0, int width, int height);
 void DAFT_KERNEL(daft_filter_pass)(const daft_filter *f, int x0, int y0, int width, int height);
+void DAFT_KERNEL(daft_reuse)(const daft_reusing *r, int x0, int y0, int width, int height);
 void DAFT_KERNEL(daft_enlarge)(const daft_enlarging *e, int x0, int y0, int width, int height);
 void DAFT_KERNEL(daft_find_corners)(const daft_neighbours *neighbours, const daft_contrast *limit,
                                     uint32_t out[DAFT_TILE]);

@@ -17,20 +17,20 @@
 
 typedef struct daft_renderer daft_renderer; /* scratch memory that outlives a frame */
 
-/* What a series of pictures remembers of what was sampled (reuse.c): of each pixel the fraction that arrived, or what
- * came along the mirrored rays; the inverse of the depth, over how many pictures, and whose surface it was (0: nothing
- * was sampled). All zero: nothing yet. */
-typedef struct daft_past_pixel {
-    float ratio[3], inverse, length;
-    uint32_t entity;
-} daft_past_pixel;
+/* What a series of pictures remembers of what was sampled (reuse.c), in planes of a float for each pixel: the fraction
+ * that arrived, or what came along the mirrored rays, of three colours; the inverse of the depth; over how many
+ * pictures; and, as an integer, whose surface it was (0: nothing was sampled, and the others mean nothing). All zero:
+ * nothing yet. */
+enum { DAFT_PAST_INVERSE = 3, DAFT_PAST_LENGTH, DAFT_PAST_ENTITY, DAFT_PAST_PLANES };
+/* Pictures that count together: more would leave trails behind moving shadows. */
+#define DAFT_LONGEST_PAST 8
 
 typedef struct daft_past {
     bool some;               /* of a picture before */
-    int now;                 /* the pixels of that picture; the others are for the one at work */
-    int width, height, step; /* pixels that are remembered: one of every step x step of the picture, */
+    int now;                 /* the planes of that picture; the others are for the one at work */
+    int width, height, step; /* pixels that are remembered, in whole tiles: one of every step x step of the picture, */
     int x[2], y[2];          /* this one of them */
-    daft_past_pixel *pixels[2];
+    float *planes[2];
     size_t capacity[2];
 } daft_past;
 

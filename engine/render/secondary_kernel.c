@@ -227,4 +227,5 @@ const daft_render_kernels DAFT_KERNEL(daft_render) = {.surfaces = DAFT_KERNEL(da
                                                       .filter_noise = DAFT_KERNEL(daft_filter_noise),
                                                       .filter_spread = DAFT_KERNEL(daft_filter_spread),
                                                       .filter_pass = DAFT_KERNEL(daft_filter_pass),
+                                                      .reuse = DAFT_KERNEL(daft_reuse),
                                                       .enlarge = DAFT_KERNEL(daft_enlarge)};

@@ -219,7 +219,11 @@ static void put_some(const daft_frame *frame, const daft_grid *g, int number, si
 
 static void put(const daft_frame *frame, int number, size_t row, const float *value, float share)
 {
-    put_some(frame, &frame->grid, number, row, value, share);
+    float *to = plane(&frame->grid, number) + row;
+    if (frame->sample == 0)
+        for (int x = 0; x < DAFT_TILE; x++) to[x] = value[x] * share;
+    else
+        for (int x = 0; x < DAFT_TILE; x++) to[x] += value[x] * share;
 }
 
 static const float *lane_of(const daft_lanes3 *v, int c, int y)
@@ -259,8 +263,10 @@ static void keep_light(const tile_job *j, size_t row, int y, float share)
         const float *whole = some ? lane_of(&light->tile_whole, c, y) : NONE,
                     *arrived = some ? lane_of(&light->tile_arrived, c, y) : NONE;
         put(frame, LIGHT + WHOLE + c, row, whole, share);
-        if (has) put_some(frame, g, LIGHT + c, there, arrived, share);
-        if (has && is_half(frame)) put_some(frame, g, LIGHT + WHOLE + c, there, whole, share);
+        if (!is_half(frame)) put(frame, LIGHT + c, row, arrived, share);
+        if (!has || !is_half(frame)) continue;
+        put_some(frame, g, LIGHT + c, there, arrived, share);
+        put_some(frame, g, LIGHT + WHOLE + c, there, whole, share);
     }
 }
 
@@ -380,55 +386,7 @@ bool daft_denoise_keep(const tile_job *j)
 
 /* ---- passes ---- */
 
-static void reuse_pixel(const daft_frame *frame, int kind, daft_seen_pixel *seen, size_t at)
-{
-    const int planes = first_plane(kind);
-    const daft_grid *g = grid_of(frame, kind);
-    daft_past *past = &frame->snapshot->past[kind == DAFT_NOISY_GLOSS ? DAFT_PAST_GLOSS : DAFT_PAST_LIGHT];
-    float ratio[3];
-    seen->inverse = plane(g, planes + KIND_INVERSE)[at];
-    if (!(seen->inverse > 0)) {
-        daft_past_pixel_clear(past, seen->x, seen->y);
-        return;
-    }
-    seen->shown = kind == DAFT_NOISY_GLOSS ? plane(g, VIRTUAL)[at] : seen->inverse;
-    memcpy(&seen->instance, &plane(g, SEEN)[at], sizeof seen->instance);
-    for (int c = 0; c < 3; c++) ratio[c] = plane(g, planes + c)[at];
-    const float pictures = daft_past_pixel_reuse(past, frame->snapshot, seen, ratio);
-    if (kind == DAFT_NOISY_LIGHT) plane(g, FROM_VARIANCE)[at] /= pictures * pictures;
-    for (int c = 0; c < 3; c++) plane(g, planes + c)[at] = ratio[c];
-}
-
-static void reuse_tile(const daft_frame *frame, const daft_tile *tile, uint32_t number, int kind, bool noisy)
-{
-    const daft_grid *g = grid_of(frame, kind);
-    daft_past *past = &frame->snapshot->past[kind == DAFT_NOISY_GLOSS ? DAFT_PAST_GLOSS : DAFT_PAST_LIGHT];
-    const size_t first = tile_place(frame, g, number);
-    for (int y = 0; y * g->step + g->y < tile->height; y++)
-        for (int x = 0; x * g->step + g->x < tile->width; x++) {
-            daft_seen_pixel seen = {.x = tile->x / g->step + x, .y = tile->y / g->step + y};
-            if (noisy) {
-                seen.ray = daft_pencil_ray(&frame->pencil, tile->x + x * g->step + g->x, tile->y + y * g->step + g->y);
-                reuse_pixel(frame, kind, &seen, first + (size_t)(y * g->stride + x));
-            } else {
-                daft_past_pixel_clear(past, seen.x, seen.y);
-            }
-        }
-}
-
-/* Rows of the band alone are remembered. */
-static void reuse_task(void *context, uint32_t index, uint32_t worker)
-{
-    daft_frame *frame = context;
-    if (atomic_load_explicit(&frame->cancelled, memory_order_relaxed)) return;
-    const uint64_t since = daft_clock_ticks();
-    const tile_job j = daft_tile_again(frame, index, worker);
-    for (int kind = DAFT_NOISY_LIGHT; kind <= DAFT_NOISY_GLOSS; kind++)
-        if (frame->filtered & kind) reuse_tile(frame, &j.s->tile, j.number, kind, frame->renderer->noisy[index] & kind);
-    j.s->ticks[DAFT_EFFECT_DENOISE] += daft_clock_ticks() - since;
-}
-
-/* The planes of a grid's pixels for the filter, of the kind that runs. */
+/* Where a grid's pixels are, and the planes they see. */
 static daft_filter filter_on(const daft_frame *frame, const daft_grid *g)
 {
     const daft_vec3 ray = daft_pencil_ray(&frame->pencil, g->x, first_row(frame) + g->y);
@@ -441,6 +399,47 @@ static daft_filter filter_on(const daft_frame *frame, const daft_grid *g)
                      .focal = ray.z / step};
     for (int c = 0; c < 3; c++) f.normal[c] = plane(g, NORMAL + c);
     return f;
+}
+
+static daft_reusing reusing_of(const daft_frame *frame, int kind)
+{
+    const daft_snapshot *s = frame->snapshot;
+    const daft_grid *g = grid_of(frame, kind);
+    const int planes = first_plane(kind);
+    const bool gloss = kind == DAFT_NOISY_GLOSS;
+    daft_past *past = &s->past[gloss ? DAFT_PAST_GLOSS : DAFT_PAST_LIGHT];
+    daft_reusing r = {.snapshot = s,
+                      .past = past,
+                      .grid = filter_on(frame, g),
+                      .first_row = first_row(frame) / g->step,
+                      .remembers = past->some && s->before,
+                      .inverse = plane(g, planes + KIND_INVERSE),
+                      .seen = plane(g, SEEN),
+                      .shown = gloss ? plane(g, VIRTUAL) : NULL,
+                      .variance = gloss ? NULL : plane(g, FROM_VARIANCE)};
+    for (int c = 0; c < 3; c++) r.ratio[c] = plane(g, planes + c);
+    return r;
+}
+
+static void reuse_tile(const daft_frame *frame, uint32_t index, int kind)
+{
+    const daft_reusing r = reusing_of(frame, kind);
+    const uint32_t columns = daft_tile_columns(frame->snapshot);
+    const int side = grid_of(frame, kind)->tile, x = (int)(index % columns) * side, y = (int)(index / columns) * side;
+    if (frame->renderer->noisy[index] & kind)
+        frame->renderer->kernels->reuse(&r, x, y, side, side);
+    else
+        daft_past_clear(r.past, x, y + r.first_row, side);
+}
+
+static void reuse_task(void *context, uint32_t index, uint32_t worker)
+{
+    daft_frame *frame = context;
+    if (atomic_load_explicit(&frame->cancelled, memory_order_relaxed)) return;
+    const uint64_t since = daft_clock_ticks();
+    for (int kind = DAFT_NOISY_LIGHT; kind <= DAFT_NOISY_GLOSS; kind++)
+        if (frame->filtered & kind) reuse_tile(frame, index, kind);
+    frame->renderer->scratch[worker].ticks[DAFT_EFFECT_DENOISE] += daft_clock_ticks() - since;
 }
 
 static daft_filter filter_of(const daft_frame *frame)
