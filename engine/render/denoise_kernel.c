@@ -12,8 +12,10 @@
 #include "math/simd/ops.h"
 #include "render/kernels.h"
 
-/* How far from the plane a neighbour may lie, in steps between pixels: towards the camera, and along the plane. */
-#define OFF_PLANE   0.1f
+/* How far from the plane a neighbour may lie, in steps between pixels: towards the camera, and along the plane. What
+ * bends, and leaves of a tree, are still filtered with each other: of 0.1, 0.25, ... 4 the error falls up to 2 in
+ * foliage and on statues (leaves at 640x360: RMSE 0.063 to 0.044), and rises nowhere. */
+#define OFF_PLANE   2.0f
 #define ALONG_PLANE 0.25f
 /* How much light may differ: so many times the variance, and a part of the whole squared. */
 #define OFF_NOISE 24.0f
@@ -62,7 +64,8 @@ DAFT_INLINE vf on_plane(const daft_filter *f, const plane *p, int dx, int dy, pt
     const vf one = vf_set(1), zero = vf_set(0);
     const vf there = vf_load(f->inverse + at);
     const vf off = (there - p->inverse - p->right * vf_set((float)dx) - p->down * vf_set((float)dy)) * p->slack;
-    const vf same = sixteenth_power(vf_max(vf3_dot(p->normal, load_three(f->normal, at)), zero));
+    const vf facing = vf_max(vf3_dot(p->normal, load_three(f->normal, at)), zero),
+             same = f->reach ? sixteenth_power(facing) : square(facing);
     return vf_if_then_else(vf_lt(zero, there), vf_max(one - off * off, zero) * same, zero);
 }
 
@@ -126,13 +129,35 @@ void DAFT_KERNEL(daft_filter_spread)(const daft_filter *f, int x0, int y0, int w
         for (int x = x0; x < x0 + width; x += DAFT_VL) spread(f, x, y, y * f->stride + x);
 }
 
+/* The mean of a pixel and those beside it on its plane. The first pass measures by it, as far as noise may be what sets
+ * the pixel apart, or a single ray that was stopped would keep to itself. */
+DAFT_INLINE vf mean_light(const daft_filter *f, const plane *p, vf own, int y, ptrdiff_t at)
+{
+    vf sum = own, weights = vf_set(1);
+    for (int dy = -1; dy <= 1; dy++) {
+        if (y + dy < 0 || y + dy >= f->height) continue;
+        for (int dx = -1; dx <= 1; dx++) {
+            if (!dx && !dy) continue;
+            const ptrdiff_t there = at + dy * f->stride + dx;
+            const vf weight = on_plane(f, p, dx, dy, there);
+            sum += weight * luminance(load_three(f->from, there)), weights += weight;
+        }
+    }
+    return sum / weights;
+}
+
 DAFT_INLINE void filter(const daft_filter *f, int x, int y, ptrdiff_t at)
 {
     static const float KERNEL[3] = {0.25f, 0.5f, 0.25f};
     const plane p = plane_at(f, x, y, at);
     const vf3 own = load_three(f->from, at);
-    const vf light = luminance(own), limit = vf_load(f->from_variance + at) * vf_set(OFF_NOISE) + vf_set(OFF_LIGHT),
-             middle = vf_set(0.25f);
+    const vf mine = luminance(own), limit = vf_load(f->from_variance + at) * vf_set(OFF_NOISE) + vf_set(OFF_LIGHT);
+    vf light = mine;
+    if (f->step == 1 && !f->reach) {
+        const vf off = mean_light(f, &p, mine, y, at) - mine;
+        light += off * square(limit / (limit + off * off));
+    }
+    const vf middle = vf_set(0.25f);
     vf3 sum = {own.x * middle, own.y * middle, own.z * middle};
     vf variance = vf_load(f->from_variance + at) * middle * middle, weights = middle;
     const vf per_reach = f->reach ? vf_set((float)f->step) / vf_max(vf_load(f->reach + at), vf_set(1e-3f)) : vf_set(0);
