@@ -146,11 +146,25 @@ DAFT_INLINE vf mean_light(const daft_filter *f, const plane *p, vf own, int y, p
     return sum / weights;
 }
 
+/* Of pixels whose neighbours are all out of reach. */
+DAFT_INLINE void keep_own(const daft_filter *f, vf3 own, vm known, ptrdiff_t at)
+{
+    vf_store(f->to[0] + at, own.x), vf_store(f->to[1] + at, own.y), vf_store(f->to[2] + at, own.z);
+    vf_store(f->to_variance + at, vf_if_then_else(known, vf_load(f->from_variance + at), vf_set(0)));
+}
+
 DAFT_INLINE void filter(const daft_filter *f, int x, int y, ptrdiff_t at)
 {
     static const float KERNEL[3] = {0.25f, 0.5f, 0.25f};
-    const plane p = plane_at(f, x, y, at);
     const vf3 own = load_three(f->from, at);
+    const vm known = vf_lt(vf_set(0), vf_load(f->inverse + at)); /* else numbers stay finite */
+    const vf per_reach = f->reach ? vf_set((float)f->step) / vf_max(vf_load(f->reach + at), vf_set(1e-3f)) : vf_set(0);
+    const vf within = vf_clamp01(vf_set(2) - per_reach);
+    if (!vbits_from_mask(vm_and(known, vf_lt(vf_set(0), within)))) {
+        keep_own(f, own, known, at);
+        return;
+    }
+    const plane p = plane_at(f, x, y, at);
     const vf mine = luminance(own), limit = vf_load(f->from_variance + at) * vf_set(OFF_NOISE) + vf_set(OFF_LIGHT);
     vf light = mine;
     if (f->step == 1 && !f->reach) {
@@ -160,8 +174,6 @@ DAFT_INLINE void filter(const daft_filter *f, int x, int y, ptrdiff_t at)
     const vf middle = vf_set(0.25f);
     vf3 sum = {own.x * middle, own.y * middle, own.z * middle};
     vf variance = vf_load(f->from_variance + at) * middle * middle, weights = middle;
-    const vf per_reach = f->reach ? vf_set((float)f->step) / vf_max(vf_load(f->reach + at), vf_set(1e-3f)) : vf_set(0);
-    const vf within = vf_clamp01(vf_set(2) - per_reach);
     for (int v = -1; v <= 1; v++) {
         const int dy = v * f->step;
         if (y + dy < 0 || y + dy >= f->height) continue;
@@ -178,7 +190,6 @@ DAFT_INLINE void filter(const daft_filter *f, int x, int y, ptrdiff_t at)
         }
     }
     const vf scale = vf_set(1) / weights;
-    const vm known = vf_lt(vf_set(0), p.inverse); /* where there is nothing to filter, numbers stay finite */
     vf_store(f->to[0] + at, vf_if_then_else(known, sum.x * scale, own.x));
     vf_store(f->to[1] + at, vf_if_then_else(known, sum.y * scale, own.y));
     vf_store(f->to[2] + at, vf_if_then_else(known, sum.z * scale, own.z));
@@ -216,6 +227,10 @@ DAFT_INLINE void enlarge_from(const daft_enlarging *e, const plane *p, vi index,
 DAFT_INLINE void enlarge(const daft_enlarging *e, int x, int y)
 {
     const ptrdiff_t at = y * e->to.stride + x;
+    if (!vbits_from_mask(vf_lt(vf_set(0), vf_load(e->to.inverse + at)))) { /* by the first sample nothing is seen */
+        for (int c = 0; c < 3; c++) vf_store(e->to.to[c] + at, vf_set(1));
+        return;
+    }
     const plane p = plane_at(&e->to, x, y, at);
     const vi column = vi_set(x - e->x) + vi_iota(), left = column >> 1;
     const vf aside = vf_convert_to(column & vi_set(1));
