@@ -201,10 +201,10 @@ static void bench(mesh *m)
 static const char LIBRARY[] =
     "# made by daft_generate, CC0\n"
     "newmtl bark\nKa 1 1 1\nKd 1 1 1\nKs 0 0 0\nillum 1\nmap_Kd ../../textures/bark.jpg\n\n"
-    "newmtl twig\nKa 1 1 1\nKd 1 1 1\nKs 0 0 0\nillum 1\nmap_Kd ../../textures/twig.jpg\n"
-    "map_d ../../textures/twig_alpha.png\n\n"
+    "newmtl twig\nKa 1 1 1\nKd 1 1 1\nKs 0 0 0\nillum 1\nmap_Kd -clamp on ../../textures/twig.jpg\n"
+    "map_d -clamp on ../../textures/twig_alpha.png\n\n"
     "newmtl twig_dark\nKa 0.62 0.72 0.6\nKd 0.62 0.72 0.6\nKs 0 0 0\nillum 1\n"
-    "map_Kd ../../textures/twig.jpg\nmap_d ../../textures/twig_alpha.png\n\n"
+    "map_Kd -clamp on ../../textures/twig.jpg\nmap_d -clamp on ../../textures/twig_alpha.png\n\n"
     "newmtl cobble\nKa 1 1 1\nKd 1 1 1\nKs 0 0 0\nillum 1\nmap_Kd ../../textures/cobble.jpg\n\n"
     "newmtl grass\nKa 0.8 0.5 0.62\nKd 0.8 0.5 0.62\nKs 0 0 0\nillum 1\nmap_Kd ../../textures/grass.png\n\n"
     "newmtl wall\nKa 0.78 0.8 0.76\nKd 0.78 0.8 0.76\nKs 0 0 0\nillum 1\n"

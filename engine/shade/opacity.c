@@ -5,6 +5,8 @@
 
 #include <math.h>
 
+enum { MOST_TEXELS = 1 << 20 };
+
 /* Beyond 2^23 there is no fraction. */
 static float fraction(float a) { return fabsf(a) < 8388608.0f ? a - floorf(a) : 0; }
 
@@ -50,6 +52,34 @@ static float alpha_at(const daft_surface *m, const daft_texture_data *t, daft_ve
                      (float)texels[4 * (begin + (size_t)x.second)] * (1.0f / 255), x.weight);
     }
     return mix(row[0], row[1], y.weight);
+}
+
+/* The squared difference of a texel's alpha to those beside and below it, 0 where the outline is not between them. */
+static float step2_at(const uint8_t *texel, size_t beside, size_t below, float cutoff)
+{
+    const float here = (float)*texel, right = (float)texel[beside], under = (float)texel[below];
+    const bool inside = here >= cutoff;
+    if ((right >= cutoff) == inside && (under >= cutoff) == inside) return 0;
+    return (right - here) * (right - here) + (under - here) * (under - here);
+}
+
+float daft_mask_steepness(const daft_surface *m, const daft_texture_data *textures)
+{
+    const uint32_t map = m->maps[DAFT_MAP_ALPHA];
+    if (!(m->cutoff > 0) || !(m->opacity > m->cutoff) || map == DAFT_NO_TEXTURE) return 0;
+    const daft_texture_data *t = &textures[map];
+    const size_t width = (size_t)t->width[0], height = (size_t)t->height[0];
+    const size_t stride = 1 + width * height / MOST_TEXELS;
+    const float cutoff = 255 * m->cutoff / m->opacity;
+    double sum = 0;
+    size_t count = 0;
+    for (size_t y = 0; y + 1 < height; y += stride)
+        for (size_t x = 0; x + 1 < width; x++) {
+            const float step2 = step2_at(t->texels[0] + 4 * (y * width + x) + m->alpha_channel, 4, 4 * width, cutoff);
+            if (step2 > 0) sum += (double)sqrtf(step2) / 255, count++;
+        }
+    const float texels = sqrtf((float)width * (float)height * fabsf(m->map_scale.x * m->map_scale.y));
+    return count ? (float)(sum / (double)count) * texels : 0;
 }
 
 float daft_surface_opacity(const daft_surface *m, const daft_texture_data *textures, daft_vec2 uv,

@@ -44,6 +44,7 @@ typedef struct daft_surface {
     float normal_strength, bump_strength, occlusion_strength, opacity, cutoff;
     uint32_t maps[DAFT_MAPS]; /* textures, each DAFT_NO_TEXTURE or an index; DAFT_MAP_… */
     uint32_t alpha_channel;   /* of DAFT_MAP_ALPHA: a texel's byte, 0 to 3 */
+    float steepness;          /* of a mask: see daft_mask_steepness */
     int32_t priority;         /* of what transmits, where bodies overlap */
     daft_vec3 absorption;     /* 1/m, base 2: of light on its way within the body */
 } daft_surface;
@@ -91,6 +92,10 @@ static inline bool daft_surface_blends(const daft_surface *m) { return m->traits
  * whose pixel is smaller than a texel. */
 float daft_surface_opacity(const daft_surface *m, const daft_texture_data *textures, daft_vec2 uv,
                            daft_texture_filter filter);
+
+/* How fast the alpha of a mask rises where its outline is, on average, per unit of u and v; 0: the material is no mask
+ * or has no outline. Of a large texture some rows are read, about a million texels. */
+float daft_mask_steepness(const daft_surface *m, const daft_texture_data *textures);
 
 /* What shines is a point or the sun, unless it is an area, whose colour is its radiance. */
 typedef enum daft_area { DAFT_AREA_NONE = 0, DAFT_AREA_RECTANGLE, DAFT_AREA_SPHERE } daft_area;
@@ -199,6 +204,7 @@ static inline bool daft_filter_is_anisotropic(daft_texture_filter filter)
 typedef struct daft_vary_def {
     bool mirrors;      /* mirrored rays are followed: else the ambient light stands for what they would see */
     bool lets_through; /* what lies behind is looked for: else surfaces that blend are opaque */
+    float sample_side; /* pixels a side of what a point stands for, of which a mask covers a part; 0: all or none */
 } daft_vary_def;
 
 /* Points to be shaded, in frame space. Bit sets have point i at bit i % 32 of word i / 32. */

@@ -102,6 +102,13 @@ static bool skip_own(const tile_job *j, const daft_batch *points, const daft_lig
     return !light->bounded || some;
 }
 
+/* Pixels a side of what a sample stands for, of which a mask covers a part; 0 where nothing is antialiased. */
+static float sample_side(const daft_quality *quality)
+{
+    if (quality->samples > 1) return 1 / sqrtf((float)quality->samples);
+    return quality->edge_samples > 0 ? 1 : 0;
+}
+
 /* What the points, `depth` surfaces away, have of their textures and maps. */
 static void read_maps(tile_job *j, daft_batch *points, int depth)
 {
@@ -109,7 +116,8 @@ static void read_maps(tile_job *j, daft_batch *points, int depth)
     const daft_plan *plan = &j->frame->plan;
     const bool textured = points->traits & (DAFT_TRAIT_TEXTURE | DAFT_TRAIT_MAPS);
     const daft_vary_def def = {.mirrors = plan->reflects && depth < plan->quality->mirror_depth,
-                               .lets_through = plan->refracts && depth < plan->through_depth};
+                               .lets_through = plan->refracts && depth < plan->through_depth,
+                               .sample_side = sample_side(plan->quality)};
     if (points->traits & DAFT_TRAIT_TEXTURE)
         j->r->shade->albedo(points, snapshot->materials, snapshot->textures, snapshot->quality.texture_filter);
     if (points->traits & DAFT_TRAIT_VARIES)

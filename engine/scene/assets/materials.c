@@ -86,6 +86,7 @@ static void set_alpha(const daft_scene *scene, const daft_material_def *def, daf
     }
     s->traits |= DAFT_TRAIT_VARIES | DAFT_TRAIT_BLEND | DAFT_TRAIT_SENDS;
     if (s->maps[DAFT_MAP_ALPHA] != DAFT_NO_TEXTURE) s->traits |= DAFT_TRAIT_MAPS;
+    s->steepness = daft_mask_steepness(s, scene->assets.textures);
 }
 
 /* The most that a surface without maps reflects: directional_albedo of shade/vary_kernel.c at grazing angles, of which
