@@ -66,6 +66,7 @@ void daft_renderer_destroy(daft_renderer *r)
     daft_release(&allocator, r->sum);
     daft_release(&allocator, r->edges);
     daft_release(&allocator, r->ids);
+    daft_release(&allocator, r->own);
     daft_release(&allocator, r->apron);
     daft_release(&allocator, r->smooth);
     daft_release(&allocator, r->planes);
@@ -180,6 +181,14 @@ static int edge_scale_of(const daft_snapshot *s)
     return grid ? 2 : s->quality.edge_samples ? 1 : 0;
 }
 
+/* Many samples of a pixel average a texture over its footprint, whichever way that is stretched. Where only edges get
+ * them, an anisotropic filter does that for the rest. */
+static daft_texture_filter filter_of(const daft_frame *frame)
+{
+    const daft_texture_filter asked = frame->snapshot->quality.texture_filter;
+    return frame->edge_scale > 1 && asked == DAFT_TEXTURE_TRILINEAR ? DAFT_TEXTURE_ANISOTROPIC4 : asked;
+}
+
 static bool prepare_edges(daft_frame *frame, daft_error *error)
 {
     daft_renderer *r = frame->renderer;
@@ -195,6 +204,8 @@ static bool prepare_edges(daft_frame *frame, daft_error *error)
     frame->corner_tiles = frame->tile_count + (more ? daft_tile_columns(s) : 0);
     if (daft_grow(&r->allocator, &r->edges, &r->edge_capacity, frame->corner_tiles, 0, sizeof *r->edges) &&
         daft_grow(&r->allocator, &r->ids, &r->id_capacity, row * (rows + 2 * DAFT_TILE), 0, sizeof *r->ids) &&
+        daft_grow(&r->allocator, &r->own, &r->own_capacity, frame->keeps_own ? row * (rows + 2 * DAFT_TILE) : 0, 0,
+                  sizeof *r->own) &&
         daft_grow(&r->allocator, &r->corners, &r->corner_capacity, corners ? daft_corner_words(frame) : 0, 0,
                   sizeof *r->corners) &&
         daft_grow(&r->allocator, &r->smooth, &r->smooth_capacity, corners ? 0 : 4 * row * rows, 0, 1))
@@ -202,11 +213,25 @@ static bool prepare_edges(daft_frame *frame, daft_error *error)
     return daft_fail_memory(error, "the pixels at edges");
 }
 
+/* Samples at edges stand for less of their pixel, and are several: they need no samples along their footprint. */
+static void begin_edges(daft_frame *frame)
+{
+    const daft_texture_filter asked = frame->snapshot->quality.texture_filter;
+    if (frame->texture_filter == asked) return;
+    frame->texture_filter = asked;
+    for (int i = 0; i < frame->renderer->threads; i++) {
+        daft_scratch *s = &frame->renderer->scratch[i];
+        s->points.footprints = s->next.footprints = NULL;
+        if (s->third) s->third->footprints = NULL;
+    }
+}
+
 static bool render_edges(daft_frame *frame, daft_error *error)
 {
     const int threads = frame->renderer->threads;
     const bool corners = frame->edge_scale == 1;
     choose_rows(frame, 0);
+    begin_edges(frame);
     const uint32_t asked = frame->tiles ? frame->listed : corners ? frame->corner_tiles : frame->tile_count;
     daft_parallel_for(threads, asked, corners ? daft_corners_tile : daft_refine_tile, frame);
     if (atomic_load(&frame->cancelled)) return daft_fail(error, DAFT_ERROR_CANCELLED, "rendering was stopped");
@@ -289,10 +314,12 @@ static bool prepare_varying(daft_renderer *r, const daft_plan *plan, daft_error 
 }
 
 /* Where the filter of textures asks, of each batch of a worker. */
-static bool prepare_footprints(daft_renderer *r, const daft_snapshot *snapshot, daft_error *error)
+static bool prepare_footprints(const daft_frame *frame, daft_error *error)
 {
+    daft_renderer *r = frame->renderer;
+    const daft_snapshot *snapshot = frame->snapshot;
     enum { BATCHES = 3 };
-    const bool some = snapshot->texture_count && daft_filter_is_anisotropic(snapshot->quality.texture_filter);
+    const bool some = snapshot->texture_count && daft_filter_is_anisotropic(frame->texture_filter);
     const size_t all = some ? (size_t)r->threads * BATCHES : 0;
     if (!daft_grow(&r->allocator, &r->footprints, &r->footprint_capacity, all, 0, sizeof *r->footprints))
         return daft_fail_memory(error, "the footprints of pixels");
@@ -338,7 +365,7 @@ static bool prepare(daft_frame *frame, daft_error *error)
     if ((frame->plan.tints || frame->plan.filters) && !prepare_tints(r, error)) return false;
     if (!prepare_sampled(r, frame->plan.samples_light, error)) return false;
     if (!prepare_gloss(r, &frame->plan, error) || !prepare_varying(r, &frame->plan, error) ||
-        !prepare_footprints(r, s, error))
+        !prepare_footprints(frame, error))
         return false;
     if (!prepare_edges(frame, error)) return false;
     size_t floats = s->quality.samples > 1 && !frame->plan.denoise ? 3 * (size_t)s->width * (size_t)s->height : 0;
@@ -382,7 +409,7 @@ static void count_bytes(const daft_frame *frame, daft_counters *c)
         e[DAFT_EFFECT_RESOLVE].bytes = r->sum_capacity * sizeof *r->sum;
     if (e[DAFT_EFFECT_ANTIALIASING].ran)
         e[DAFT_EFFECT_ANTIALIASING].bytes = r->edge_capacity * sizeof *r->edges + r->id_capacity * sizeof *r->ids +
-                                            r->apron_capacity + r->smooth_capacity +
+                                            r->own_capacity * sizeof *r->own + r->apron_capacity + r->smooth_capacity +
                                             r->corner_capacity * sizeof *r->corners;
     if (e[DAFT_EFFECT_TEXTURE].ran) e[DAFT_EFFECT_TEXTURE].bytes = texture_bytes(frame);
     e[DAFT_EFFECT_SURFACE].bytes = (size_t)r->threads * sizeof *r->scratch + r->varying_capacity * sizeof *r->varying;
@@ -449,6 +476,9 @@ bool daft_render_frame(daft_renderer *renderer, const daft_snapshot *snapshot, c
     }
     daft_frame frame = {.renderer = renderer, .snapshot = snapshot, .target = target, .plan = daft_plan_make(snapshot)};
     frame.edge_scale = edge_scale_of(snapshot);
+    frame.texture_filter = filter_of(&frame);
+    frame.keeps_own = frame.edge_scale > 1 && frame.texture_filter != DAFT_TEXTURE_NEAREST &&
+                      frame.texture_filter != DAFT_TEXTURE_BILINEAR;
     counters_begin(counters, snapshot, renderer);
     if (!daft_redraw_begin(&frame, error) || !prepare(&frame, error)) return false;
     const bool some = !frame.tiles || frame.listed;

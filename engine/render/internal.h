@@ -83,14 +83,14 @@ typedef struct daft_scratch {
     daft_lanes3 *passed;              /* of the running light's light; NULL until some shadow lets light through */
     daft_ray_batch *refracted;        /* waiting, of each depth; NULL until something is seen that light may pass */
     uint8_t seen_by[DAFT_BATCH_ROOM]; /* where there are planar mirrors: see daft_mirrors_follow */
-    uint32_t around[2][DAFT_TILE + 2][DAFT_TILE + 2]; /* a tile at the picture's border: its pixels and ids */
+    uint32_t around[3][DAFT_TILE + 2][DAFT_TILE + 2]; /* a tile at the picture's border: its pixels, ids, own colours */
     daft_mixed mixed;                                 /* the tile's pixels that their corners change */
     daft_tile grids[4];                               /* what the rays of a part of the tile see (tile/edges.c) */
-    daft_lanes3 sum;             /* of the tile's pixels that get more samples: their linear light, */
-    uint32_t taken[DAFT_BATCH];  /* and how many they are */
-    daft_seen_list fresh;        /* samples that are to be shaded, */
-    uint32_t wanted[DAFT_BATCH]; /* and, by their own places, those of their pixels in the tile, */
-    float share[DAFT_BATCH];     /* and how many rays they speak for */
+    daft_lanes3 sum;              /* of the tile's pixels that get more samples: their linear light, */
+    float own[DAFT_BATCH];        /* and for how many rays their first samples speak */
+    daft_seen_list fresh;         /* samples that are to be shaded, */
+    uint32_t wanted[DAFT_BATCH];  /* by their own places, those of their pixels in the tile, */
+    float share[DAFT_BATCH_ROOM]; /* and, in their order, for how many rays they speak */
     uint64_t ticks[DAFT_EFFECT_COUNT];
     uint32_t tiles[DAFT_EFFECT_COUNT];
     uint64_t rays_cast[DAFT_EFFECT_COUNT];
@@ -173,6 +173,7 @@ struct daft_renderer {
     /* Where some pixels get more samples, else NULL; rows are those of the band and of the tiles above and below it: */
     daft_edges *edges; /* of each tile */
     uint32_t *ids;     /* daft_pixel_id of each pixel */
+    uint32_t *own;     /* RGBA of what textures give its surface, all bits without one; unless corners are asked for */
     uint8_t *apron;    /* the pixels above and below the band */
     uint8_t *smooth;   /* the band's pixels with more samples, until all are drawn */
     uint32_t *corners; /* words of the band's corners (daft_mixed); daft_edges.outline says which there are */
@@ -182,7 +183,7 @@ struct daft_renderer {
     uint8_t *noisy;
     daft_grid grid, light_grid; /* of the picture before */
     size_t plane_capacity, noisy_capacity;
-    size_t edge_capacity, id_capacity, apron_capacity, smooth_capacity, corner_capacity;
+    size_t edge_capacity, id_capacity, own_capacity, apron_capacity, smooth_capacity, corner_capacity;
 };
 
 /* One sample of one frame, as its tiles see it. */
@@ -203,9 +204,11 @@ typedef struct daft_frame {
     /* Pixels that get more samples have them in their corners (1) or on a grid of so many rows and columns; 0: none do.
      */
     int edge_scale;
-    daft_grid grid, light_grid; /* of what is filtered: all pixels, and those whose sampled light is found */
-    int filter_pass, filtered;  /* the running pass; DAFT_NOISY_… */
-    uint32_t corner_tiles;      /* those of the band and of the row below, whose corners it shares */
+    daft_texture_filter texture_filter; /* of the running pass */
+    bool keeps_own;                     /* what textures give pixels, since more samples do not serve that */
+    daft_grid grid, light_grid;         /* of what is filtered: all pixels, and those whose sampled light is found */
+    int filter_pass, filtered;          /* the running pass; DAFT_NOISY_… */
+    uint32_t corner_tiles;              /* those of the band and of the row below, whose corners it shares */
     /* Where the picture before is kept: what it says of each tile; the tiles that are drawn, and those of them that are
      * mixed with their corners. NULL: nothing is kept; all are. */
     daft_kept *kept;
@@ -265,6 +268,10 @@ static inline uint32_t *daft_frame_ids(const daft_frame *frame, int y)
 {
     const daft_snapshot *s = frame->snapshot;
     return frame->renderer->ids + (size_t)(y + DAFT_TILE - s->first_row) * (size_t)s->width;
+}
+static inline uint32_t *daft_frame_own(const daft_frame *frame, int y)
+{
+    return frame->renderer->own + (daft_frame_ids(frame, y) - frame->renderer->ids);
 }
 static inline uint32_t daft_tile_columns(const daft_snapshot *s)
 {

@@ -81,6 +81,7 @@ typedef struct daft_spawning {
 typedef struct daft_neighbours {
     const uint8_t *pixel;
     const uint32_t *id;
+    const uint32_t *own; /* the surfaces' own colours as bytes of sRGB, where ids are; NULL: not known */
     ptrdiff_t stride, id_stride;
 } daft_neighbours;
 
@@ -93,7 +94,8 @@ static inline uint32_t daft_pixel_id(uint32_t instance, uint32_t triangle)
 }
 
 /* Pixels of a tile that disagree with one beside, above or below them, bit x of row y: with one that sees another
- * triangle, instance, or the sky; with one that sees the same triangle or sphere; and the latter by more. */
+ * triangle, instance, or the sky; with one that sees the same triangle or sphere in another light; and the latter by
+ * more. */
 typedef struct daft_edges {
     uint32_t outline[DAFT_TILE], inner[DAFT_TILE], strong[DAFT_TILE];
     bool sky; /* no pixel of the tile sees anything else */
@@ -157,6 +159,33 @@ typedef struct daft_seen_list {
     uint32_t instance[DAFT_BATCH], triangle[DAFT_BATCH], pixel[DAFT_BATCH];
 } daft_seen_list;
 
+/* Part of a tile, as refined: four grids of two by two rays to each of its pixels. */
+enum { DAFT_EDGE_GRIDS = 4, DAFT_EDGE_SCALE = 2 };
+typedef struct daft_edge_part {
+    const daft_tile *grids;                       /* what their rays see */
+    float x[DAFT_EDGE_GRIDS], y[DAFT_EDGE_GRIDS]; /* where their first rays go */
+    int left, top;                                /* the part's first pixel in the tile */
+    const daft_edges *edges;
+    const uint32_t *id; /* what the first samples of the tile's pixels saw */
+    ptrdiff_t id_stride;
+} daft_edge_part;
+
+/* The rays that are shaded; by their own places in a batch, those of their pixels in the tile; in the list's order, for
+ * how many rays each speaks; and, by the pixels' places, for how many their first samples do. */
+typedef struct daft_edge_rays {
+    daft_seen_list *list;
+    uint32_t *wanted;
+    float *share, *own;
+} daft_edge_rays;
+
+/* The place in a batch of a list's sample i: four after the other share a block of points, by which lights are looked
+ * up. */
+static inline uint32_t daft_place_in_batch(uint32_t i)
+{
+    const uint32_t block = i / 16, row = i / 4 % 4, blocks = DAFT_TILE / 4;
+    return (block / blocks * 4 + row) * DAFT_TILE + block % blocks * 4 + i % 4;
+}
+
 typedef struct daft_render_kernels {
     /* Turns a tile's visible surfaces into points of weight 1, filling only the fields that the definition asks for.
      * The other pixels become sky rays, with directions where the sky has more than one colour or there is fog. */
@@ -175,6 +204,13 @@ typedef struct daft_render_kernels {
     /* The ids of a tile's pixels, rows `stride` apart. */
     void (*ids)(const daft_tile *tile, uint32_t *ids, size_t stride);
     void (*contrast)(const daft_neighbours *neighbours, const daft_contrast *limit, daft_edges *out);
+    /* Adds the rays to be shaded of pixels of a part's row, bit x of column x, as long as there is room. Gives the
+     * pixels that are left. */
+    uint32_t (*take_edges)(const daft_edge_part *part, int y, uint32_t pixels, daft_edge_rays *out);
+    /* The light of a list's samples in its order; and this, limited to 0..1, times the shares onto the pixels' sums;
+     * `light` is overwritten. */
+    void (*gather_light)(const daft_lanes3 *light, const daft_seen_list *list, daft_lanes3 *out);
+    void (*add_light)(const daft_edge_rays *rays, daft_lanes3 *light, daft_lanes3 *sum);
     /* The corners of which two of the four pixels around, side by side, disagree and see different things. */
     void (*corners)(const daft_neighbours *neighbours, const daft_contrast *limit, uint32_t out[DAFT_TILE]);
     /* The words of the corners that a tile's rays were asked for, rows `stride` apart, room for whole rows; bits of
@@ -206,6 +242,9 @@ void DAFT_KERNEL(daft_hit_points)(const daft_snapshot *snapshot, const daft_ray_
                                   const daft_hit *hits, uint32_t count, daft_facets *facets, daft_batch *points);
 void DAFT_KERNEL(daft_tile_ids)(const daft_tile *tile, uint32_t *ids, size_t stride);
 void DAFT_KERNEL(daft_find_contrast)(const daft_neighbours *neighbours, const daft_contrast *limit, daft_edges *out);
+uint32_t DAFT_KERNEL(daft_take_edges)(const daft_edge_part *part, int y, uint32_t pixels, daft_edge_rays *out);
+void DAFT_KERNEL(daft_gather_light)(const daft_lanes3 *light, const daft_seen_list *list, daft_lanes3 *out);
+void DAFT_KERNEL(daft_add_light)(const daft_edge_rays *rays, daft_lanes3 *light, daft_lanes3 *sum);
 void DAFT_KERNEL(daft_filter_noise)(const daft_filter *f, int x0, int y0, int width, int height);
 void DAFT_KERNEL(daft_filter_spread)(const daft_filter *f, int x0, int y0, int width, int height);
 void DAFT_KERNEL(daft_filter_pass)(const daft_filter *f, int x0, int y0, int width, int height);

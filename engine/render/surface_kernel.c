@@ -427,8 +427,8 @@ typedef struct flat_normal {
 } flat_normal;
 
 /* `first`: the ray of the tile's first pixel; NULL: points have their rays' x and y in u and v. */
-static void visible_points(const daft_snapshot *snapshot, const daft_pencil *p, const daft_vec3 *first,
-                           const daft_facets *f, uint32_t wants, daft_batch *b)
+static void visible_points(const daft_pencil *p, const daft_vec3 *first, const daft_facets *f, uint32_t wants,
+                           daft_batch *b)
 {
     flat_normal kept = {.slot = -1};
     const bool footprints = b->footprints && wants & WANT_TEXTURE;
@@ -448,7 +448,7 @@ static void visible_points(const daft_snapshot *snapshot, const daft_pencil *p, 
             normal = unit3(m.normal);
         }
         vf reach = wants & WANT_DISTANCE ? vf_sqrt(vf3_dot(m.point, m.point)) : vf_set(0);
-        store_meeting(&m, r.direction, normal, reach, snapshot->focal, wants, b, i);
+        store_meeting(&m, r.direction, normal, reach, p->focal, wants, b, i);
         if (footprints) {
             const window rays = r; /* copies, so that these stay in registers where no footprint is wanted */
             const meeting met = m;
@@ -466,7 +466,7 @@ void DAFT_KERNEL(daft_surfaces)(const daft_surfaces_def *def, const daft_tile *t
     DAFT_KERNEL(daft_tile_facets)(def->snapshot, tile, facets, points, sky);
     setup_visible(def->snapshot, p, facets);
     points->traits = facets->traits, points->one_material = facets->one_material;
-    visible_points(def->snapshot, p, &first, facets, wants_of(facets->traits, def), points);
+    visible_points(p, &first, facets, wants_of(facets->traits, def), points);
     const daft_sky *all = &def->snapshot->sky;
     if (all->kind == DAFT_SKY_COLOR && !(all->sun_chord2 > 0) && !(def->snapshot->air.density > 0)) return;
     for (uint32_t i = 0; i < sky->count; i += DAFT_VL) store3(&sky->direction, i, pixel_rays(p, first, &sky->pixel[i]));
@@ -479,7 +479,7 @@ void DAFT_KERNEL(daft_listed_surfaces)(const daft_surfaces_def *def, const daft_
     DAFT_KERNEL(daft_list_facets)(def->snapshot, list, facets, points, sky);
     setup_visible(def->snapshot, p, facets);
     points->traits = facets->traits, points->one_material = facets->one_material;
-    visible_points(def->snapshot, p, NULL, facets, wants_of(facets->traits, def), points);
+    visible_points(p, NULL, facets, wants_of(facets->traits, def), points);
     for (uint32_t i = 0; i < sky->count; i += DAFT_VL)
         store3(&sky->direction, i, rays_at(p, vf_load(&sky->direction.x[i]), vf_load(&sky->direction.y[i])));
 }

@@ -190,6 +190,14 @@ static void find_windows(const daft_tile_job *j, const daft_pencil_batch *b, int
     }
 }
 
+/* The same bits of the eight rows of windows from row y of the tile on that hold rays which were asked for. */
+DAFT_INLINE uint64_t asked_windows(const daft_tile_job *j, int y)
+{
+    uint64_t bits = 0;
+    for (int k = 0; k < 8; k++) bits |= (uint64_t)j->asked[(y + k * DAFT_WINDOW_H) & (2 * DAFT_TILE - 1)] << 8 * k;
+    return bits;
+}
+
 /* Large boxes: long thin triangles are in few of their windows, which are found first. */
 static void draw_found(daft_tile_job *j, const daft_pencil_batch *b, int i, const primitive *t)
 {
@@ -201,6 +209,7 @@ static void draw_found(daft_tile_job *j, const daft_pencil_batch *b, int i, cons
     for (uint32_t first = 0; first < count; first += 64) {
         uint64_t left = found[first / 64] & columns * 0x0101010101010101u; /* the columns, in each row */
         if (count - first < 64) left &= ((uint64_t)1 << (count - first)) - 1;
+        if (j->sparse) left &= asked_windows(j, b->y0[i] + (int)(first / COLUMNS) * DAFT_WINDOW_H);
         for (; left; left &= left - 1) {
             uint32_t q = first + (uint32_t)__builtin_ctzll(left);
             int y = b->y0[i] + (int)(q / COLUMNS) * DAFT_WINDOW_H;
@@ -215,8 +224,10 @@ static void draw_all_windows(daft_tile_job *j, const daft_pencil_batch *b, int i
     planes p = planes_of(j, b, i);
     int x0 = b->x0[i] & -DAFT_WINDOW_W, x1 = b->x1[i], y1 = b->y1[i];
     for (int y = b->y0[i]; y <= y1; y += DAFT_WINDOW_H) {
+        const uint32_t asked = j->sparse ? j->asked[y] : UINT32_MAX;
         window_rows r = rows_of(j, &p, y);
-        for (int x = x0; x <= x1; x += DAFT_WINDOW_W) draw_window(j, &p, &r, x, y, t);
+        for (int x = x0; x <= x1; x += DAFT_WINDOW_W)
+            if (asked >> x / DAFT_WINDOW_W & 1) draw_window(j, &p, &r, x, y, t);
     }
 }
 

@@ -50,6 +50,8 @@ typedef struct daft_tile_job {
      * found. */
     _Alignas(64) float farthest[DAFT_CELLS_X][DAFT_CELLS_X];
     uint32_t stale[DAFT_CELLS_X + 1]; /* one more for windows that begin in the last row */
+    bool sparse;                      /* a part of which some windows hold no ray that was asked for: */
+    uint8_t asked[2 * DAFT_TILE];     /* bit x of windows that do, 4·x columns from the left, by their first rows */
     _Alignas(64) float w_low[DAFT_TILE_ROOM];
     _Alignas(64) float w_high[DAFT_TILE_ROOM];
 } daft_tile_job;

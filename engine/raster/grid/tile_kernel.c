@@ -82,10 +82,35 @@ static void clear_cells(daft_tile_job *j, bool stale)
     memset(j->stale, stale ? 0xff : 0, sizeof j->stale);
 }
 
+/* Bit x of those of a row's eight fours of pixels in which one is set. */
+static uint8_t fours(uint32_t bits)
+{
+    bits |= bits >> 1;
+    bits = (bits | bits >> 2) & 0x11111111;
+    bits = (bits | bits >> 3) & 0x03030303;
+    bits = (bits | bits >> 6) & 0x000f000f;
+    return (uint8_t)(bits | bits >> 12);
+}
+
+static void note_windows(daft_tile_job *j, const daft_tile_part *part)
+{
+    uint32_t all = 0xff;
+    j->sparse = false;
+    if (!part) return;
+    memset(j->asked, 0, sizeof j->asked);
+    for (int y = 0; y < DAFT_TILE; y++) {
+        uint32_t bits = 0;
+        for (int row = y; row < daft_min_i(y + DAFT_WINDOW_H, DAFT_TILE); row++) bits |= part->asked[row];
+        j->asked[y] = fours(bits), all &= j->asked[y];
+    }
+    j->sparse = all != 0xff;
+}
+
 static void clear_pixels(daft_tile_job *j, const daft_tile_part *part)
 {
     daft_tile *t = j->tile;
     const uint32_t columns = t->width == DAFT_TILE ? UINT32_MAX : (1u << t->width) - 1;
+    note_windows(j, part);
     const vf far = vf_set(-INFINITY), near = vf_set(INFINITY);
     clear_cells(j, part || t->width < DAFT_TILE || t->height < DAFT_TILE);
     for (int i = 0; i < DAFT_TILE_ROOM; i += DAFT_VL) {

@@ -5,15 +5,17 @@
 
 /* A copy, for a tile at the border of the picture or the band: beyond the picture or
  * the apron its last pixels again. */
-static void gather(const daft_frame *frame, const daft_tile *tile, uint32_t around[2][DAFT_TILE + 2][DAFT_TILE + 2])
+static void gather(const daft_frame *frame, const daft_tile *tile, uint32_t around[3][DAFT_TILE + 2][DAFT_TILE + 2])
 {
     const daft_snapshot *s = frame->snapshot;
     const int last_x = s->width - 1, last_y = daft_min_i(s->height, s->first_row + s->row_count + DAFT_TILE) - 1;
     const int first = tile->x > 0 ? -1 : 0, end = daft_min_i(DAFT_TILE + 1, last_x + 1 - tile->x);
     for (int y = -1; y <= DAFT_TILE; y++) {
         const int row = daft_min_i(daft_max_i(tile->y + y, 0), last_y), x = tile->x + first;
-        const void *from[2] = {daft_frame_row(frame, row) + 4 * (size_t)x, daft_frame_ids(frame, row) + x};
-        for (int k = 0; k < 2; k++) {
+        const bool own = frame->keeps_own;
+        const void *from[3] = {daft_frame_row(frame, row) + 4 * (size_t)x, daft_frame_ids(frame, row) + x,
+                               own ? daft_frame_own(frame, row) + x : NULL};
+        for (int k = 0; k < 2 + own; k++) {
             uint32_t *to = around[k][y + 1];
             memcpy(&to[first + 1], from[k], 4 * (size_t)(end - first));
             if (first == 0) to[0] = to[1];
@@ -27,12 +29,30 @@ daft_neighbours daft_tile_neighbours(const tile_job *j)
     const daft_tile *t = &j->s->tile;
     const daft_snapshot *s = j->snapshot;
     uint32_t(*around)[DAFT_TILE + 2][DAFT_TILE + 2] = j->s->around;
+    const bool own = j->frame->keeps_own;
     if (t->x > 0 && t->x + DAFT_TILE < s->width && t->y > s->first_row &&
         t->y + DAFT_TILE < s->first_row + s->row_count)
         return (daft_neighbours){daft_frame_row(j->frame, t->y) + 4 * (size_t)t->x,
-                                 daft_frame_ids(j->frame, t->y) + t->x, s->width, s->width};
+                                 daft_frame_ids(j->frame, t->y) + t->x,
+                                 own ? daft_frame_own(j->frame, t->y) + t->x : NULL, s->width, s->width};
     gather(j->frame, t, around);
-    return (daft_neighbours){(const uint8_t *)&around[0][1][1], &around[1][1][1], DAFT_TILE + 2, DAFT_TILE + 2};
+    return (daft_neighbours){(const uint8_t *)&around[0][1][1], &around[1][1][1], own ? &around[2][1][1] : NULL,
+                             DAFT_TILE + 2, DAFT_TILE + 2};
+}
+
+void daft_tile_keep_own(tile_job *j)
+{
+    const daft_tile *tile = &j->s->tile;
+    const daft_batch *b = &j->s->points;
+    const size_t width = (size_t)j->snapshot->width;
+    uint32_t *own = daft_frame_own(j->frame, tile->y) + tile->x, words[DAFT_BATCH];
+    if (!(b->traits & DAFT_TRAIT_TEXTURE)) {
+        for (int y = 0; y < tile->height; y++) memset(own + (size_t)y * width, 0xff, (size_t)tile->width * sizeof *own);
+        return;
+    }
+    j->r->shade->encode(b->albedo.x, b->albedo.y, b->albedo.z, b->count, (uint8_t *)words);
+    for (uint32_t i = 0; i < b->count; i++) own[b->pixel[i] / DAFT_TILE * width + b->pixel[i] % DAFT_TILE] = words[i];
+    book(j, DAFT_EFFECT_ANTIALIASING);
 }
 
 tile_job daft_tile_again(daft_frame *frame, uint32_t index, uint32_t worker)
@@ -49,13 +69,6 @@ tile_job daft_tile_again(daft_frame *frame, uint32_t index, uint32_t worker)
     return j;
 }
 
-/* Four samples after the other share a block of points, by which lights are looked up. */
-static uint32_t place_in_batch(uint32_t i)
-{
-    const uint32_t block = i / 16, row = i / 4 % 4, blocks = DAFT_TILE / 4;
-    return (block / blocks * 4 + row) * DAFT_TILE + block % blocks * 4 + i % 4;
-}
-
 void daft_fresh_add(tile_job *j, const daft_pencil *pencil, const daft_tile *tile, uint32_t place, uint32_t wanted)
 {
     daft_scratch *s = j->s;
@@ -65,7 +78,7 @@ void daft_fresh_add(tile_job *j, const daft_pencil *pencil, const daft_tile *til
     const daft_vec3 ray = daft_pencil_ray(pencil, x, y);
     fresh->x[i] = ray.x, fresh->y[i] = ray.y;
     fresh->instance[i] = tile->instance[place], fresh->triangle[i] = tile->triangle[place];
-    fresh->pixel[i] = place_in_batch(i), s->wanted[fresh->pixel[i]] = wanted;
+    fresh->pixel[i] = daft_place_in_batch(i), s->wanted[fresh->pixel[i]] = wanted;
 }
 
 void daft_fresh_shade(tile_job *j, const daft_pencil *pencil)

@@ -6,7 +6,7 @@
  * their bins, and rays that nobody asks for count as hidden, so that trees are walked for what is left.
  *
  * Beside an outline, where another triangle begins, all rays are asked what they see, which costs a coverage test. Of
- * those that see the same, one in three is shaded and speaks for the others; the pixel's first sample is one of them.
+ * those that see the same, one in four is shaded and speaks for the others; the pixel's first sample is one of them.
  * Colours of the pixels around would cost less, but are wrong where a shadow, a crease or a mirror image ends at the
  * outline. Elsewhere (a shadow's edge, a mirror image) one ray of each grid is shaded, or two where the difference is
  * large.
@@ -16,25 +16,23 @@
 
 #include <string.h>
 
-/* Steps of a byte between neighbours. Textures are filtered already, so that a surface may vary by more. */
-static const daft_contrast LIMIT = {.outline = 20, .crease = 20, .inner = 24, .strong = 40};
+/* Steps of a byte between neighbours; within a surface of its light alone, since textures are filtered already. */
+static const daft_contrast LIMIT = {.outline = 20, .crease = 20, .inner = 32, .strong = 60};
 
 enum {
-    GRIDS = 4,            /* of SCALE x SCALE rays a pixel each */
-    SCALE = 2,            /* rays of a grid a side of a pixel */
-    SPAN = DAFT_TILE / 2, /* pixels a side of a part */
-    SPOKEN = 3,           /* rays that see the same, for each that is shaded */
-    TRIANGLES = 6         /* that a pixel sees, above which rays go together by instances */
+    GRIDS = DAFT_EDGE_GRIDS,
+    SCALE = DAFT_EDGE_SCALE,
+    SPAN = DAFT_TILE / SCALE /* pixels a side of a part */
 };
 /* From the middles of the divided pixels, in their size. */
 static const float SHIFT[GRIDS][2] = {{-0.375f, -0.125f}, {-0.125f, 0.375f}, {0.125f, -0.375f}, {0.375f, 0.125f}};
 
 typedef struct refinement {
     tile_job *j;
-    int left, top;          /* the part's first pixel in the tile */
     daft_neighbours around; /* the tile, in the picture with one sample a pixel */
     daft_edges edges;
     daft_tile_part part;
+    daft_edge_part rays;
     daft_pencil pencil[GRIDS];
 } refinement;
 
@@ -42,8 +40,6 @@ static void shift(daft_tile_part *part, uint32_t grid)
 {
     part->shift_x = SHIFT[grid][0], part->shift_y = SHIFT[grid][1];
 }
-
-static bool bit(const uint32_t rows[DAFT_TILE], int x, int y) { return rows[y] >> x & 1; }
 
 /* Whether the tile and those beside it see nothing but the sky. */
 static bool all_sky(const tile_job *j, uint32_t index)
@@ -71,198 +67,130 @@ static bool find_edges(tile_job *j, daft_neighbours *around, daft_edges *edges)
 
 /* ---- a part ------------------------------------------------------------------------------------------------------ */
 
-/* Bits of the part's pixels in a row that get more samples. */
+/* A part's pixels of a row. */
+static uint32_t part_of(const refinement *r, uint32_t row) { return row >> r->rays.left & ((1u << SPAN) - 1); }
+
+/* Those that get more samples. */
 static uint32_t pixels_of(const refinement *r, int y)
 {
-    const uint32_t all = r->edges.outline[r->top + y] | r->edges.inner[r->top + y];
-    return all >> r->left & ((1u << SPAN) - 1);
+    const int py = r->rays.top + y;
+    return part_of(r, r->edges.outline[py] | r->edges.inner[py]);
 }
 
-/* The cells of a pixel's two by two whose rays of a grid are asked for, as bits: at an outline all; else that of the
- * grid's own number, so that the four lie in different rows and columns, and where much changes that across from it. */
-static uint32_t cells_of(const refinement *r, int x, int y, uint32_t grid)
+/* Every bit becomes the lower one of two. */
+static uint32_t spread(uint32_t bits)
 {
-    if (bit(r->edges.outline, r->left + x, r->top + y)) return 0xf;
-    return 1u << grid | (uint32_t)bit(r->edges.strong, r->left + x, r->top + y) << (3 - grid);
+    bits = (bits | bits << 8) & 0x00ff00ff;
+    bits = (bits | bits << 4) & 0x0f0f0f0f;
+    bits = (bits | bits << 2) & 0x33333333;
+    return (bits | bits << 1) & 0x55555555;
 }
 
-/* Asks for the rays of one grid. */
+/* Asks for the rays of one grid: at an outline all four of a pixel; else that of the grid's own number, so that the
+ * four lie in different rows and columns, and where much changes that across from it. */
 static void ask(refinement *r, uint32_t grid)
 {
-    uint32_t *asked = r->part.asked;
-    memset(asked, 0, sizeof r->part.asked);
-    for (int y = 0; y < SPAN; y++)
-        for (uint32_t left = pixels_of(r, y); left; left &= left - 1) {
-            const int x = __builtin_ctz(left);
-            const uint32_t cells = cells_of(r, x, y, grid);
-            daft_cost_ask(r->j, (uint32_t)((r->top + y) * DAFT_TILE + r->left + x),
-                          (uint32_t)__builtin_popcount(cells));
-            asked[2 * y] |= (cells & 3) << (2 * x), asked[2 * y + 1] |= cells >> 2 << (2 * x);
+    for (int y = 0; y < SPAN; y++) {
+        const int py = r->rays.top + y;
+        const uint32_t outline = part_of(r, r->edges.outline[py]),
+                       inner = part_of(r, r->edges.inner[py] & ~r->edges.outline[py]), all = spread(outline) * 3,
+                       one = spread(inner), two = spread(inner & part_of(r, r->edges.strong[py]));
+        const uint32_t own = grid, across = 3 - grid;
+        uint32_t *row = &r->part.asked[SCALE * y];
+        row[0] = row[1] = all;
+        row[own / SCALE] |= one << own % SCALE, row[across / SCALE] |= two << across % SCALE;
+    }
+}
+
+/* Counts the part's rays for its pixels. */
+static void count_rays(const refinement *r)
+{
+    for (int y = 0; y < DAFT_TILE; y++)
+        for (uint32_t left = r->part.asked[y]; left; left &= left - 1) {
+            const int px = r->rays.left + __builtin_ctz(left) / SCALE, py = r->rays.top + y / SCALE;
+            daft_cost_ask(r->j, (uint32_t)(py * DAFT_TILE + px), 1);
         }
 }
 
-static float clamp_unit(float x) { return x > 0 ? (x < 1 ? x : 1) : 0; }
-
-/* Light that speaks for so many rays. */
-static void add(daft_scratch *s, uint32_t at, float x, float y, float z, float rays)
+static daft_edge_rays fresh_of(daft_scratch *s)
 {
-    s->sum.x[at] += rays * clamp_unit(x), s->sum.y[at] += rays * clamp_unit(y), s->sum.z[at] += rays * clamp_unit(z);
+    return (daft_edge_rays){.list = &s->fresh, .wanted = s->wanted, .share = s->share, .own = s->own};
 }
 
 static void shade_fresh(refinement *r)
 {
     daft_scratch *s = r->j->s;
+    const daft_render_kernels *kernels = r->j->r->kernels;
     const daft_tone *tone = &r->j->snapshot->tone;
+    const daft_edge_rays rays = fresh_of(s);
     daft_lanes3 *shown = &s->sky_color; /* of no use any more */
+    if (!s->fresh.count) return;
     daft_fresh_shade(r->j, &r->pencil[0]);
-    for (uint32_t i = 0; i < s->fresh.count; i++) {
-        const uint32_t from = s->fresh.pixel[i];
-        const daft_lanes3 *color = r->j->color;
-        shown->x[i] = color->x[from], shown->y[i] = color->y[from], shown->z[i] = color->z[from];
-    }
+    kernels->gather_light(r->j->color, &s->fresh, shown);
     if (daft_tone_changes(tone))
         r->j->r->shade->tone(tone, (const float *const[3]){shown->x, shown->y, shown->z}, s->fresh.count,
                              (float *const[3]){shown->x, shown->y, shown->z});
-    for (uint32_t i = 0; i < s->fresh.count; i++) {
-        const uint32_t from = s->fresh.pixel[i];
-        add(s, s->wanted[from], shown->x[i], shown->y[i], shown->z[i], s->share[from]);
-    }
+    kernels->add_light(&rays, shown, &s->sum);
     s->fresh.count = 0;
 }
 
-/* A ray of a part: its grid, and its place in that. */
-typedef struct part_ray {
-    uint32_t grid, place;
-} part_ray;
-
-/* Those of a pixel's rays that see the same. */
-typedef struct group {
-    uint32_t id, count;
-    part_ray ray[16];
-} group;
-
-typedef struct seen_rays {
-    uint32_t at, own; /* the pixel in the tile, and what its first sample saw */
-    uint32_t count, id[16];
-    part_ray ray[16];
-} seen_rays;
-
-static seen_rays rays_seen(const refinement *r, int x, int y)
+static void take(refinement *r, int y)
 {
-    const int px = r->left + x, py = r->top + y;
-    seen_rays seen = {.at = (uint32_t)(py * DAFT_TILE + px), .own = r->around.id[py * r->around.id_stride + px]};
-    for (uint32_t cell = 0; cell < SCALE * SCALE; cell++)
-        for (uint32_t grid = 0; grid < GRIDS; grid++) {
-            const daft_tile *tile = &r->j->s->grids[grid];
-            const uint32_t row = SCALE * (uint32_t)y + cell / SCALE, column = SCALE * (uint32_t)x + cell % SCALE,
-                           place = row * DAFT_TILE_STRIDE + column;
-            if (!(cells_of(r, x, y, grid) >> cell & 1)) continue;
-            seen.ray[seen.count] = (part_ray){grid, place};
-            seen.id[seen.count++] = daft_pixel_id(tile->instance[place], tile->triangle[place]);
-        }
-    return seen;
-}
-
-/* How many groups there are: ids are compared without their lower bits. */
-static uint32_t group_rays(const seen_rays *seen, int bits, group out[16])
-{
-    uint32_t groups = 0;
-    for (uint32_t i = 0; i < seen->count; i++) {
-        const uint32_t id = seen->id[i] >> bits;
-        uint32_t k = 0;
-        while (k < groups && out[k].id != id) k++;
-        if (k == groups) out[groups++] = (group){.id = id};
-        out[k].ray[out[k].count++] = seen->ray[i];
+    daft_edge_rays rays = fresh_of(r->j->s);
+    uint32_t left = pixels_of(r, y);
+    while (left) {
+        left = r->j->r->kernels->take_edges(&r->rays, y, left, &rays);
+        if (left) shade_fresh(r); /* writes nothing of what the part sees */
     }
-    return groups;
-}
-
-static void shade_later(refinement *r, part_ray ray, uint32_t at, float rays)
-{
-    daft_scratch *s = r->j->s;
-    daft_fresh_add(r->j, &r->pencil[ray.grid], &s->grids[ray.grid], ray.place, at);
-    s->share[s->fresh.pixel[s->fresh.count - 1]] = rays;
-}
-
-/* What the pixel's first sample saw speaks for so many rays. */
-static void add_own(refinement *r, uint32_t at, float rays)
-{
-    const int x = (int)at % DAFT_TILE, y = (int)at / DAFT_TILE;
-    float light[3];
-    r->j->r->shade->decode(r->around.pixel + 4 * (y * r->around.stride + x), 1, &light[0], &light[1], &light[2]);
-    add(r->j->s, at, light[0], light[1], light[2], rays);
-}
-
-/* Some of the group, spread over it. */
-static void take_group(refinement *r, const group *g, uint32_t at, bool has_own)
-{
-    const uint32_t some = (g->count + SPOKEN - 1) / SPOKEN, fresh = some - has_own;
-    const float share = (float)g->count / (float)some;
-    if (has_own) add_own(r, at, share);
-    for (uint32_t i = 0; i < fresh; i++) shade_later(r, g->ray[(i * g->count + g->count / 2) / fresh], at, share);
-}
-
-/* The rays of a pixel of the part. */
-static void take(refinement *r, int x, int y)
-{
-    const seen_rays seen = rays_seen(r, x, y);
-    r->j->s->taken[seen.at] += seen.count;
-    if (!bit(r->edges.outline, r->left + x, r->top + y)) {
-        for (uint32_t i = 0; i < seen.count; i++) shade_later(r, seen.ray[i], seen.at, 1);
-        return;
-    }
-    group groups[16];
-    int bits = 0;
-    uint32_t count = group_rays(&seen, bits, groups);
-    if (count > TRIANGLES) count = group_rays(&seen, bits = DAFT_ID_INSTANCE, groups);
-    for (uint32_t k = 0; k < count; k++) take_group(r, &groups[k], seen.at, groups[k].id == seen.own >> bits);
 }
 
 static void refine_part(refinement *r, int number)
 {
     uint32_t any = 0;
     r->part.number = number;
-    r->left = number % SCALE * SPAN, r->top = number / SCALE * SPAN;
+    r->rays.left = number % SCALE * SPAN, r->rays.top = number / SCALE * SPAN;
     for (int y = 0; y < SPAN; y++) any |= pixels_of(r, y);
     if (!any) return;
     r->j->part = &r->part;
     for (uint32_t grid = 0; grid < GRIDS; grid++) {
+        daft_tile *tile = &r->j->s->grids[grid];
         shift(&r->part, grid);
         ask(r, grid);
-        daft_tile_see(r->j, &r->j->s->grids[grid]);
+        if (r->j->frame->target->aov.cost) count_rays(r);
+        daft_tile_see(r->j, tile);
+        const daft_vec3 first = daft_pencil_ray(&r->pencil[grid], tile->x, tile->y);
+        r->rays.x[grid] = first.x, r->rays.y[grid] = first.y;
     }
-    for (int y = 0; y < SPAN; y++)
-        for (uint32_t left = pixels_of(r, y); left; left &= left - 1) {
-            if (r->j->s->fresh.count > DAFT_BATCH - 16) shade_fresh(r); /* writes nothing of what the part sees */
-            take(r, __builtin_ctz(left), y);
-        }
+    for (int y = 0; y < SPAN; y++) take(r, y);
 }
 
 /* ---- a tile ------------------------------------------------------------------------------------------------------ */
 
-/* The mean of a pixel's samples. What it had counts as one of the few that were shaded, and not at all beside an
- * outline, where the finer grid is whole. */
-static void mean_of(const refinement *r, int x, int y, float light[3])
+/* The mean of a pixel's samples; `own`: the first one. That counts as one of the few that were shaded, and beside an
+ * outline for those that see the same. */
+static void mean_of(const refinement *r, int x, int y, const float own[3], float light[3])
 {
     const daft_scratch *s = r->j->s;
     const int at = y * DAFT_TILE + x;
-    const float few = bit(r->edges.outline, x, y) ? 0 : 1, weight = 1 / ((float)s->taken[at] + few);
-    const float sum[3] = {s->sum.x[at], s->sum.y[at], s->sum.z[at]};
-    float own[3];
-    r->j->r->shade->decode(r->around.pixel + 4 * (y * r->around.stride + x), 1, &own[0], &own[1], &own[2]);
-    for (int k = 0; k < 3; k++) light[k] = (sum[k] + own[k] * few) * weight;
+    const int rays =
+        r->edges.outline[y] >> x & 1 ? GRIDS * SCALE * SCALE : GRIDS * (1 + (int)(r->edges.strong[y] >> x & 1)) + 1;
+    const float sum[3] = {s->sum.x[at], s->sum.y[at], s->sum.z[at]}, weight = 1 / (float)rays;
+    for (int k = 0; k < 3; k++) light[k] = (sum[k] + own[k] * s->own[at]) * weight;
 }
 
 static void write_row(const refinement *r, const daft_tile *tile, int y)
 {
     const tile_job *j = r->j;
     const size_t width = (size_t)j->snapshot->width, row = (size_t)(tile->y - j->snapshot->first_row + y);
-    float light[3][DAFT_TILE + 16];
+    float light[3][DAFT_TILE + 16], own[3][DAFT_TILE + 16];
     uint8_t rgba[4 * DAFT_TILE], *to = j->r->smooth + 4 * (row * width + (size_t)tile->x);
     uint32_t count = 0, all = r->edges.outline[y] | r->edges.inner[y];
+    if (!all) return;
+    j->r->shade->decode(r->around.pixel + 4 * y * r->around.stride, DAFT_TILE, own[0], own[1], own[2]);
     for (uint32_t left = all; left; left &= left - 1, count++) {
+        const int x = __builtin_ctz(left);
         float one[3];
-        mean_of(r, __builtin_ctz(left), y, one);
+        mean_of(r, x, y, (const float[3]){own[0][x], own[1][x], own[2][x]}, one);
         for (int k = 0; k < 3; k++) light[k][count] = one[k];
     }
     for (int k = 0; k < 3; k++) memset(&light[k][count], 0, 16 * sizeof light[k][0]);
@@ -277,7 +205,7 @@ void daft_refine_tile(void *context, uint32_t index, uint32_t worker)
     daft_frame *frame = context;
     if (atomic_load_explicit(&frame->cancelled, memory_order_relaxed)) return;
     tile_job j = daft_tile_again(frame, index, worker);
-    refinement r = {.j = &j, .part.scale = SCALE};
+    refinement r = {.j = &j, .part.scale = SCALE, .rays.grids = j.s->grids};
     for (uint32_t grid = 0; grid < GRIDS; grid++) {
         shift(&r.part, grid);
         r.pencil[grid] = daft_part_pencil(&frame->pencil, &r.part);
@@ -286,8 +214,8 @@ void daft_refine_tile(void *context, uint32_t index, uint32_t worker)
         memset(&r.edges, 0, sizeof r.edges);
     } else if (find_edges(&j, &r.around, &r.edges)) {
         memset(&j.s->sum, 0, sizeof j.s->sum);
-        memset(j.s->taken, 0, sizeof j.s->taken);
         j.s->fresh.count = 0;
+        r.rays.edges = &r.edges, r.rays.id = r.around.id, r.rays.id_stride = r.around.id_stride;
         for (int i = 0; i < SCALE * SCALE; i++) refine_part(&r, i);
         shade_fresh(&r);
         daft_tile_place(&j.r->raster, j.number, NULL, &j.s->tile);

@@ -119,9 +119,9 @@ static void read_maps(tile_job *j, daft_batch *points, int depth)
                                .lets_through = plan->refracts && depth < plan->through_depth,
                                .sample_side = sample_side(plan->quality)};
     if (points->traits & DAFT_TRAIT_TEXTURE)
-        j->r->shade->albedo(points, snapshot->materials, snapshot->textures, snapshot->quality.texture_filter);
+        j->r->shade->albedo(points, snapshot->materials, snapshot->textures, j->frame->texture_filter);
     if (points->traits & DAFT_TRAIT_VARIES)
-        j->r->shade->vary(points, snapshot->materials, snapshot->textures, snapshot->quality.texture_filter, &def);
+        j->r->shade->vary(points, snapshot->materials, snapshot->textures, j->frame->texture_filter, &def);
     if (textured) ran(j, DAFT_EFFECT_TEXTURE);
     book(j, textured ? DAFT_EFFECT_TEXTURE : DAFT_EFFECT_SURFACE);
 }
@@ -192,6 +192,7 @@ static void shade_visible(tile_job *j)
     const daft_ray_batch *sky = &s->sky;
     if (points->count) light_points(j, points, 0);
     daft_tile_aov_albedo(j);
+    if (j->frame->keeps_own && !j->refines) daft_tile_keep_own(j);
     if (!j->refines && sky->count == 0 && s->tile.width == DAFT_TILE && !(points->traits & DAFT_TRAIT_SENDS)) {
         j->color = &points->light;
         return;

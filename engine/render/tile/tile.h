@@ -122,6 +122,8 @@ void daft_tile_fill_plain(tile_job *j);
  * at s->fresh.pixel. */
 tile_job daft_tile_again(daft_frame *frame, uint32_t index, uint32_t worker);
 daft_neighbours daft_tile_neighbours(const tile_job *j);
+/* Keeps what textures give the points that pixels see, once they are read. */
+void daft_tile_keep_own(tile_job *j);
 void daft_fresh_add(tile_job *j, const daft_pencil *pencil, const daft_tile *tile, uint32_t place, uint32_t wanted);
 void daft_fresh_shade(tile_job *j, const daft_pencil *pencil);
 /* aov.c: what the caller asked for beside the picture's bytes: of the first sample what is seen and, once textures are

@@ -149,13 +149,15 @@ static void an_outline_is_its_coverage(void **unused)
     stage_drop(&s);
 }
 
-/* Pixels like their neighbours keep their bytes; where there are no others, nothing runs. */
+/* Pixels like their neighbours keep their bytes, where textures have the filter already that 16 brings along; where
+ * there are no others, nothing runs. */
 static void nothing_else_changes(void **unused)
 {
     (void)unused;
     static uint8_t without[4 * PIXELS], with[4 * PIXELS];
     stage s;
     stage_make(&s, "hello.scene");
+    s.view.quality.texture_filter = DAFT_TEXTURE_ANISOTROPIC4;
     s.view.quality.edge_samples = 0, draw(&s, without);
     assert_false(daft_scene_counters(s.scene)->effects[DAFT_EFFECT_ANTIALIASING].ran);
     assert_int_equal(daft_scene_counters(s.scene)->effects[DAFT_EFFECT_ANTIALIASING].bytes, 0);
@@ -186,6 +188,104 @@ static void nothing_else_changes(void **unused)
     draw(&s, NULL);
     assert_false(daft_scene_counters(s.scene)->effects[DAFT_EFFECT_ANTIALIASING].ran);
     assert_int_equal(daft_scene_counters(s.scene)->effects[DAFT_EFFECT_ANTIALIASING].rays, 0);
+    stage_drop(&s);
+}
+
+static void add_ball(stage *s, daft_dvec3 at, float radius, const daft_material_def *look)
+{
+    daft_entity_def ball = daft_default_entity_def();
+    ball.shape = DAFT_SHAPE_SPHERE, ball.radius = radius, ball.position = at;
+    ball.material = daft_material_create(s->scene, look, NULL);
+    assert_true(daft_entity_create(s->scene, &ball, NULL).id);
+}
+
+/* Pixels well within a ball for which more than one ray from the camera or to the sun was cast. */
+static int pixels_with_more(stage *s, const uint32_t *cost, const daft_entity *entity)
+{
+    int count = 0;
+    draw(s, NULL);
+    const uint32_t ball = entity[PIXELS / 2 + WIDTH / 2].id;
+    for (int y = 1; y < HEIGHT - 1; y++)
+        for (int x = 1; x < WIDTH - 1; x++) {
+            const int at = y * WIDTH + x;
+            count += entity[at].id == ball && entity[at - 1].id == ball && entity[at + 1].id == ball &&
+                     entity[at - WIDTH].id == ball && entity[at + WIDTH].id == ball && cost[at] > 2;
+        }
+    return count;
+}
+
+/* A filtered texture gets no more samples, however much it varies, but the edge of a shadow on it does; and so does a
+ * texture that no filter smooths. */
+static void textures_are_no_edges(void **unused)
+{
+    (void)unused;
+    static uint32_t cost[PIXELS];
+    static daft_entity entity[PIXELS];
+    stage s;
+    daft_error error = {0};
+    stage_make(&s, NULL);
+    daft_material_def look = daft_default_material_def();
+    look.ambient = (daft_vec3){0.3f, 0.3f, 0.3f}, look.diffuse = (daft_vec3){0.7f, 0.7f, 0.7f};
+    look.specular = (daft_vec3){0, 0, 0};
+    look.diffuse_map = daft_texture_load(s.scene, DAFT_ROOT "/assets/textures/checker.png", &error);
+    if (!look.diffuse_map.id) fail_msg("%s", error.message);
+    daft_scene_set_ambient(s.scene, (daft_vec3){1, 1, 1});
+    add_ball(&s, (daft_dvec3){3, 0, 0}, 1, &look);
+    daft_light_def sun = daft_default_light_def();
+    sun.kind = DAFT_LIGHT_SUN, sun.direction = (daft_vec3){0.7f, 0, -0.7f}, sun.casts_shadow = true;
+    sun.color = (daft_vec3){1, 1, 1};
+    assert_true(daft_light_create(s.scene, &sun, NULL).id);
+    s.view.quality.edge_samples = 16, s.view.aov.cost = cost, s.view.aov.entity = entity;
+    const int lit = pixels_with_more(&s, cost, entity);
+    s.view.quality.texture_filter = DAFT_TEXTURE_NEAREST;
+    const int rough = pixels_with_more(&s, cost, entity);
+    s.view.quality.texture_filter = DAFT_TEXTURE_TRILINEAR;
+    add_ball(&s, (daft_dvec3){1.46, 0, 1.54}, 0.15f, &look);
+    const int shadowed = pixels_with_more(&s, cost, entity);
+    print_message("pixels with more samples: %d, without a filter %d, at a shadow %d\n", lit, rough, shadowed);
+    assert_true(lit < 10 && rough > 200 && shadowed > lit + 10);
+    stage_drop(&s);
+}
+
+/* The mean of 4 × 4 pixels for each, of sixteen samples: they see finer levels of the textures. */
+static void draw_large(const stage *from, uint8_t rgba[4 * PIXELS])
+{
+    enum { FACTOR = 4 };
+    daft_error error = {0};
+    stage s = *from;
+    s.image = daft_image_create(s.engine, WIDTH * FACTOR, HEIGHT * FACTOR, &error);
+    s.view.quality = daft_preset_quality(DAFT_PRESET_REFERENCE);
+    s.view.quality.tree = DAFT_TREE_RASTER, s.view.quality.shadow_samples = s.view.quality.glossy_samples = 0;
+    s.view.quality.occlusion_samples = 0;
+    draw(&s, NULL);
+    const uint8_t *large = daft_image_pixels(s.image);
+    for (int i = 0; i < PIXELS; i++)
+        for (int c = 0; c < 4; c++) {
+            double sum = 0;
+            for (int k = 0; k < FACTOR * FACTOR; k++) {
+                const int x = i % WIDTH * FACTOR + k % FACTOR, y = i / WIDTH * FACTOR + k / FACTOR;
+                sum += linear(large[4 * (y * WIDTH * FACTOR + x) + c]);
+            }
+            sum /= FACTOR * FACTOR;
+            const double byte = sum <= 0.0031308 ? sum * 12.92 : 1.055 * pow(sum, 1 / 2.4) - 0.055;
+            rgba[4 * i + c] = (uint8_t)(byte * 255 + 0.5);
+        }
+    daft_image_destroy(s.image);
+}
+
+/* Of all pixels: textures at flat angles are as sharp as many samples make them. */
+static void textures_are_sharp(void **unused)
+{
+    (void)unused;
+    static uint8_t truth[4 * PIXELS], eight[4 * PIXELS], edges[4 * PIXELS];
+    stage s;
+    stage_make(&s, "hall.scene");
+    s.view.quality.shadow_samples = s.view.quality.occlusion_samples = s.view.quality.glossy_samples = 0;
+    draw_large(&s, truth);
+    s.view.quality.edge_samples = 0, s.view.quality.samples = 8, draw(&s, eight);
+    s.view.quality.samples = 1, s.view.quality.edge_samples = 16, draw(&s, edges);
+    print_message("hall: 8 samples %.4f, 16 at edges %.4f\n", distance(eight, truth), distance(edges, truth));
+    assert_true(distance(edges, truth) < distance(eight, truth));
     stage_drop(&s);
 }
 
@@ -239,6 +339,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(come_close_to_many_samples), cmocka_unit_test(more_samples_come_closer),
         cmocka_unit_test(an_outline_is_its_coverage), cmocka_unit_test(nothing_else_changes),
+        cmocka_unit_test(textures_are_no_edges),      cmocka_unit_test(textures_are_sharp),
         cmocka_unit_test(bands_are_the_picture),      cmocka_unit_test(stops_in_between)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

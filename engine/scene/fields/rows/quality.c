@@ -20,7 +20,7 @@ static const daft_field QUALITY_ROWS[] = {
     KNOB(samples, FROM(1, 16), ONE_OF(SAMPLES), .initial = {1}, .doc = "Samples of a pixel"),
     KNOB(edge_samples, FROM(0, 16), ONE_OF(EDGE_SAMPLES), .initial = {4},
          .doc = "More samples where neighbours differ: 4, the corners, at outlines and creases; 16 at edges of shadows "
-                "and in mirrors, too"),
+                "and in mirrors, too, and trilinear textures become anisotropic4"),
     KNOB(shadows, .initial = {1}, .doc = "Whether lights cast shadows"),
     KNOB(shadow_samples, FROM(0, 64), .initial = {1},
          .doc = "Rays to a light that has a size; 0: its shadows are sharp"),

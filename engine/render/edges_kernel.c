@@ -1,0 +1,157 @@
+/* The rays of pixels at edges: which of them are shaded, and for how many each speaks; and their light. */
+#include "math/simd/ops.h"
+#include "render/kernels.h"
+
+enum {
+    RAYS = DAFT_EDGE_GRIDS * DAFT_EDGE_SCALE * DAFT_EDGE_SCALE, /* of a pixel beside an outline */
+    SPOKEN = 4,                                                 /* rays that see the same, for each that is shaded */
+    TRIANGLES = 6, /* that a pixel sees, above which rays go together by instances */
+    WIDTH = DAFT_TILE
+};
+_Static_assert(RAYS == 16, "a pixel's rays are sixteen bits");
+
+/* What the two rows of each grid see that a row of pixels has. Ray r of a pixel is that of grid r % 4 in its cell r /
+ * 4: one after the other lie apart. */
+typedef struct seen_row {
+    uint32_t id[2][DAFT_EDGE_GRIDS][WIDTH];
+} seen_row;
+
+static void see_row(const daft_edge_part *p, int y, seen_row *out)
+{
+    for (int row = 0; row < 2; row++)
+        for (int grid = 0; grid < DAFT_EDGE_GRIDS; grid++)
+            for (int x = 0; x < WIDTH; x += DAFT_VL) {
+                const int at = (2 * y + row) * DAFT_TILE_STRIDE + x;
+                const vi triangle = vi_load(&p->grids[grid].triangle[at]) & vi_set((1 << DAFT_ID_INSTANCE) - 1);
+                vi_store(&out->id[row][grid][x], vi_load(&p->grids[grid].instance[at]) << DAFT_ID_INSTANCE | triangle);
+            }
+}
+
+/* Those of the pixel's rays that see the same, by number; `id` without some lower bits. */
+typedef struct group {
+    uint32_t id, rays;
+} group;
+
+DAFT_INLINE uint32_t alike(const uint32_t id[RAYS], uint32_t one)
+{
+    uint32_t bits = 0;
+    for (int i = 0; i < RAYS; i += DAFT_VL)
+        bits |= (uint32_t)vbits_from_mask(vi_eq(vi_load(&id[i]), vi_set((int32_t)one))) << i;
+    return bits;
+}
+
+DAFT_INLINE uint32_t group_rays(const uint32_t id[RAYS], group out[RAYS])
+{
+    uint32_t count = 0;
+    for (uint32_t left = (1u << RAYS) - 1; left; count++) {
+        const uint32_t one = id[__builtin_ctz(left)];
+        out[count] = (group){one, alike(id, one)};
+        left &= ~out[count].rays;
+    }
+    return count;
+}
+
+/* A list at work. */
+typedef struct taking {
+    const daft_edge_part *part;
+    daft_edge_rays *out;
+    uint32_t place, wanted; /* of the pixel's first ray in the grids; of the pixel in the tile */
+} taking;
+
+DAFT_INLINE void shade(taking *t, uint32_t ray, float rays)
+{
+    const uint32_t grid = ray % DAFT_EDGE_GRIDS, cell = ray / DAFT_EDGE_GRIDS;
+    const uint32_t at = t->place + cell / 2 * DAFT_TILE_STRIDE + cell % 2;
+    const daft_tile *tile = &t->part->grids[grid];
+    daft_seen_list *list = t->out->list;
+    const uint32_t i = list->count++, pixel = daft_place_in_batch(i);
+    list->x[i] = t->part->x[grid] + (float)(at % DAFT_TILE_STRIDE);
+    list->y[i] = t->part->y[grid] - (float)(at / DAFT_TILE_STRIDE);
+    list->instance[i] = tile->instance[at], list->triangle[i] = tile->triangle[at];
+    list->pixel[i] = pixel, t->out->wanted[pixel] = t->wanted, t->out->share[i] = rays;
+}
+
+/* Some of the group, spread over it. */
+DAFT_INLINE void take_group(taking *t, const group *g, bool has_own)
+{
+    const uint32_t count = (uint32_t)__builtin_popcount(g->rays), some = (count + SPOKEN - 1) / SPOKEN,
+                   fresh = some - has_own;
+    const float share = (float)count / (float)some;
+    if (has_own) t->out->own[t->wanted] = share;
+    uint32_t left = g->rays, passed = 0;
+    for (uint32_t i = 0; i < fresh; i++) {
+        const uint32_t next = (i * count + count / 2) / fresh;
+        for (; passed < next; passed++) left &= left - 1;
+        shade(t, (uint32_t)__builtin_ctz(left), share);
+    }
+}
+
+static void take_outline(taking *t, const seen_row *seen, int x, uint32_t own)
+{
+    uint32_t id[RAYS];
+    group groups[RAYS];
+    int bits = 0;
+    for (int grid = 0; grid < DAFT_EDGE_GRIDS; grid++)
+        for (int cell = 0; cell < 4; cell++)
+            id[cell * DAFT_EDGE_GRIDS + grid] = seen->id[cell / 2][grid][2 * x + cell % 2];
+    uint32_t count = group_rays(id, groups);
+    if (count > TRIANGLES) {
+        bits = DAFT_ID_INSTANCE;
+        for (int i = 0; i < RAYS; i++) id[i] >>= bits;
+        count = group_rays(id, groups);
+    }
+    t->out->own[t->wanted] = 0;
+    for (uint32_t k = 0; k < count; k++) take_group(t, &groups[k], groups[k].id == own >> bits);
+}
+
+/* One ray of each grid, or the one across from it, too. */
+static void take_inner(taking *t, bool strong)
+{
+    t->out->own[t->wanted] = 1;
+    for (uint32_t grid = 0; grid < DAFT_EDGE_GRIDS; grid++) {
+        shade(t, grid * DAFT_EDGE_GRIDS + grid, 1);
+        if (strong) shade(t, (3 - grid) * DAFT_EDGE_GRIDS + grid, 1);
+    }
+}
+
+uint32_t DAFT_KERNEL(daft_take_edges)(const daft_edge_part *part, int y, uint32_t pixels, daft_edge_rays *out)
+{
+    const daft_edges *edges = part->edges;
+    const int py = part->top + y;
+    seen_row seen;
+    if (pixels << part->left & edges->outline[py]) see_row(part, y, &seen);
+    for (; pixels && out->list->count <= DAFT_BATCH - RAYS; pixels &= pixels - 1) {
+        const int x = __builtin_ctz(pixels), px = part->left + x;
+        taking t = {part, out, (uint32_t)(2 * y * DAFT_TILE_STRIDE + 2 * x), (uint32_t)(py * DAFT_TILE + px)};
+        if (edges->outline[py] >> px & 1)
+            take_outline(&t, &seen, x, part->id[py * part->id_stride + px]);
+        else
+            take_inner(&t, edges->strong[py] >> px & 1);
+    }
+    return pixels;
+}
+
+void DAFT_KERNEL(daft_gather_light)(const daft_lanes3 *light, const daft_seen_list *list, daft_lanes3 *out)
+{
+    for (uint32_t i = 0; i < list->count; i += DAFT_VL) {
+        const vi at =
+            vi_if_then_else(vm_from_bits(vbits_first_n((int)(list->count - i))), vi_load(&list->pixel[i]), vi_set(0));
+        vf_store(&out->x[i], vf_gather_index(light->x, at)), vf_store(&out->y[i], vf_gather_index(light->y, at));
+        vf_store(&out->z[i], vf_gather_index(light->z, at));
+    }
+}
+
+void DAFT_KERNEL(daft_add_light)(const daft_edge_rays *rays, daft_lanes3 *light, daft_lanes3 *sum)
+{
+    const uint32_t count = rays->list->count;
+    for (uint32_t i = 0; i < count; i += DAFT_VL) {
+        const vf share = vf_load(&rays->share[i]);
+        vf_store(&light->x[i], vf_clamp01(vf_load(&light->x[i])) * share);
+        vf_store(&light->y[i], vf_clamp01(vf_load(&light->y[i])) * share);
+        vf_store(&light->z[i], vf_clamp01(vf_load(&light->z[i])) * share);
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t at = rays->wanted[rays->list->pixel[i]];
+        sum->x[at] += light->x[i], sum->y[at] += light->y[i], sum->z[at] += light->z[i];
+    }
+}
