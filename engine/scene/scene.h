@@ -408,6 +408,8 @@ uint32_t daft_asset_add(daft_scene *scene, daft_slots *slots, daft_asset_state *
 void daft_material_free(daft_scene *scene, uint32_t index);
 /* A texture, by its handle, is another picture now. */
 void daft_material_refresh(daft_scene *scene, uint32_t texture);
+/* There is a mesh whose vertices have alpha: materials that mask or blend may not be opaque on it. */
+void daft_materials_fade(daft_scene *scene);
 enum { DAFT_MATERIAL_TEXTURES = 12 };
 const daft_texture *daft_material_textures(const daft_material_def *def, daft_texture out[DAFT_MATERIAL_TEXTURES]);
 

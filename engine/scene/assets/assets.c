@@ -180,6 +180,7 @@ static daft_mesh mesh_add(daft_scene *scene, daft_mesh_item *item)
     uint32_t index = daft_asset_index(mesh.id);
     if (item->path) daft_map_add(&assets->mesh_map, item->hash, index);
     assets->meshes[index] = item;
+    if (item->mesh.alphas) daft_materials_fade(scene);
     return mesh;
 }
 
