@@ -107,13 +107,14 @@ typedef struct daft_mtl {
     float metallic;                                 /* Pm */
     bool physical;                                  /* it has Pm, or a map of Pr or Pm */
     bool has_roughness;
-    uint32_t alpha_mode;      /* a daft_alpha_mode, of maps */
-    bool fades;               /* it is on vertices with alpha, which alpha_mode is of, too */
-    float alpha_cutoff, bump; /* bump: -bm */
-    float occlusion;          /* the strength of its map, which MTL says by -mm: 0..1 */
-    daft_vec2 scale, offset;  /* -s -o, of all maps */
-    uint32_t wrap;            /* -clamp: a daft_wrap */
-    daft_mtl_maps *maps;      /* NULL: none beside map_Kd. The list's */
+    uint32_t alpha_mode; /* a daft_alpha_mode, of maps */
+    bool fades;          /* it is on vertices with alpha, which alpha_mode is of, too */
+    float alpha_cutoff;
+    float bump, normal;      /* what slopes are multiplied by: -bm of bump, of norm */
+    float occlusion;         /* the strength of its map, which MTL says by -mm: 0..1 */
+    daft_vec2 scale, offset; /* -s -o, of all maps */
+    uint32_t wrap;           /* -clamp: a daft_wrap */
+    daft_mtl_maps *maps;     /* NULL: none beside map_Kd. The list's */
     daft_mtl_change diffuse_change;
     daft_vec3 filter;    /* Tf: 0..1 each */
     bool has_filter;     /* the file names it */

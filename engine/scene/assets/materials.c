@@ -383,7 +383,9 @@ daft_material daft_material_from_mtl(daft_scene *scene, const daft_mtl *mtl, daf
     def.shininess = mtl->shininess < 1000 ? mtl->shininess : 1000;
     def.roughness = mtl->roughness;
     def.map_scale = mtl->scale, def.map_offset = mtl->offset, def.map_wrap = mtl->wrap;
-    def.bump_strength = mtl->bump, def.metallic = mtl->metallic, def.occlusion_strength = mtl->occlusion;
+    def.bump_strength = fminf(fmaxf(mtl->bump, -1000), 1000),
+    def.normal_strength = fminf(fmaxf(mtl->normal, -100), 100);
+    def.metallic = mtl->metallic, def.occlusion_strength = mtl->occlusion;
     def.alpha_mode = mtl->alpha_mode, def.alpha_cutoff = mtl->alpha_cutoff;
     /* illum 3 to 9 with a Pr alone is MTL's mirror, as rough as that says */
     const bool physical = mtl->physical || (mtl->has_roughness && mtl->illum < 3);

@@ -380,6 +380,65 @@ static void occlusion_by_other_coordinates_is_told(void **state)
     assert_int_equal(f->scene->assets.surfaces[1].traits & DAFT_TRAIT_OCCLUSION, 0);
 }
 
+/* ---- normals ---- */
+
+/* One texel that leans to the right: the slope of what it is of. */
+static double put_leaning(void)
+{
+    static const uint8_t texel[4] = {204, 128, 230, 255};
+    put_picture("map.tga", 1, 1, texel);
+    return (2 * 230 / 255.0 - 1) / (2 * 204 / 255.0 - 1);
+}
+
+/* -bm of `norm` multiplies slopes: against the cosine to the sun. What no material may have is the most it may. */
+static void slopes_of_mtl_files(void **state)
+{
+    fixture *f = *state;
+    static const struct {
+        const char *text;
+        double value;
+    } cases[] = {{"norm map.tga\n", 1}, {"norm -bm 0.5 map.tga\n", 0.5}, {"norm -bm -0.4 map.tga\n", -0.4}};
+    uint8_t seen[4 * SIDE * SIDE], flat[4 * SIDE * SIDE];
+    put_square();
+    const double slope = put_leaning();
+    draw_phong(f, "without.mtl", "", BY_SUN, flat);
+    for (size_t i = 0; i < DAFT_COUNT_OF(cases); i++) {
+        draw_phong(f, "with.mtl", cases[i].text, BY_SUN, seen);
+        const double x = slope * cases[i].value, part = (1 - 0.3 * x) / sqrt(1 + x * x); /* the sun's way: see add_sun
+                                                                                          */
+        double want[3];
+        const int middle = SIDE / 2;
+        for (int k = 0; k < 3; k++) want[k] = linear_of(flat[4 * (middle * SIDE + middle) + k]) * part;
+        compare_pixel(seen, middle, middle, want, 1.5);
+    }
+    draw_phong(f, "with.mtl", "norm -bm 1e6 map.tga\nbump -bm -1e9 map.tga\n", BY_SUN, seen);
+    for (uint32_t i = 1; i < f->scene->assets.material_slots.count; i++) {
+        const daft_material_def *def = &f->scene->assets.materials[i];
+        if (def->bump_map.id) assert_true(def->normal_strength == 100 && def->bump_strength == -1000);
+    }
+}
+
+/* glTF's normalTexture.scale is the material's normal_strength. */
+static void slopes_of_gltf_files(void **state)
+{
+    fixture *f = *state;
+    uint8_t seen[4 * SIDE * SIDE], other[4 * SIDE * SIDE], plain[4 * SIDE * SIDE];
+    put_square(), put_leaning();
+    draw_square(f, "\"normalTexture\":{\"index\":0}," WHITE, plain);
+    assert_true(f->scene->assets.materials[1].normal_strength == 1);
+    draw_square(f, "\"normalTexture\":{\"index\":0,\"scale\":0.25}," WHITE, seen);
+    assert_true(f->scene->assets.materials[1].normal_strength == 0.25f);
+    draw_square(f, "\"normalTexture\":{\"index\":0}," WHITE, other);
+    const daft_material material = {daft_asset_id(&f->scene->assets.material_slots, 1)};
+    daft_material_def def;
+    assert_true(daft_material_get(f->scene, material, &def, NULL));
+    def.normal_strength = 0.25f;
+    assert_true(daft_material_set(f->scene, material, &def, NULL));
+    draw(f, DAFT_TEXTURE_NEAREST, 0, other);
+    assert_memory_equal(seen, other, sizeof seen);
+    assert_true(memcmp(seen, plain, sizeof seen) != 0);
+}
+
 /* ---- colours of vertices ---- */
 
 enum { QUADS = 2, CORNERS = 4 * QUADS };
@@ -772,6 +831,8 @@ int main(void)
         WITH_FOLDER(occlusion_dims_ambient_light_alone),
         WITH_FOLDER(occlusion_of_mtl_files),
         WITH_FOLDER(occlusion_by_other_coordinates_is_told),
+        WITH_FOLDER(slopes_of_mtl_files),
+        WITH_FOLDER(slopes_of_gltf_files),
         WITH_FOLDER(colors_of_vertices_multiply_the_base_color),
         WITH_FOLDER(alpha_of_vertices_blends_and_masks),
         WITH_FOLDER(white_vertices_cost_nothing),
