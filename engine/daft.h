@@ -295,6 +295,8 @@ typedef struct daft_mesh_def {
     const uint32_t *indices; /* three a triangle, below vertex_count; counter-clockwise seen from outside */
     uint32_t triangle_count;
     const daft_vec3 *colors; /* one a position, linear, 0..1: what its material's colour is multiplied by; or NULL */
+    const float *alphas; /* one a position, 0..1: what the opacity of a material is multiplied by that masks or blends;
+                            or NULL */
 } daft_mesh_def;
 
 DAFT_API daft_mesh_def daft_default_mesh_def(void);

@@ -24,6 +24,7 @@ bool generate_figure(const char *root);
 bool generate_leaves(const char *root);
 bool generate_gallery(const char *root);
 bool generate_wine(const char *root);
+bool generate_neon(const char *root);
 bool generate_sculptures(const char *root); /* of the hall */
 bool generate_exhibits(const char *root);   /* of the gallery */
 bool generate_statues(const char *root);    /* of the gallery */
@@ -59,6 +60,9 @@ bool paint_square(const char *root, const char *path, int size, painter *paint);
 bool write_jpeg(const char *root, const char *path, const picture *p, int quality);
 /* Radiance RGBE, of linear light, three floats a pixel. */
 bool write_hdr(const char *root, const char *path, int width, int height, const float *light);
+
+/* How far a place of the town's cobbles is inside its stone, 0 where two meet; and which stone (town.c). */
+double cobble_gap(double u, double v, int *stone_i, int *stone_j);
 
 /* ---- noise (noise.c): all repeat with the given period in lattice cells, so that textures tile ---- */
 

@@ -34,6 +34,6 @@ int main(int argc, char **argv)
               generate_meshes(argv[1]) && generate_hard(argv[1]) && generate_forest(argv[1]) &&
               generate_hall(argv[1]) && generate_town(argv[1]) && generate_studio(argv[1]) &&
               generate_figure(argv[1]) && generate_leaves(argv[1]) && generate_gallery(argv[1]) &&
-              generate_wine(argv[1]);
+              generate_wine(argv[1]) && generate_neon(argv[1]);
     return ok ? 0 : 1;
 }

@@ -113,23 +113,28 @@ static color roof(double u, double v)
 }
 
 /* Cobbles on a jittered grid. */
-static color cobble(double u, double v)
+double cobble_gap(double u, double v, int *bi, int *bj)
 {
     enum { N = 18 };
     double best = 9, second = 9, x = u * N, y = v * N;
-    int bi = 0, bj = 0;
     for (int j = -1; j <= 1; j++) {
         for (int i = -1; i <= 1; i++) {
             int cx = (int)floor(x) + i, cy = (int)floor(y) + j, wx = (cx + N) % N, wy = (cy + N) % N;
             double dx = x - cx - 0.25 - 0.5 * hash01(wx, wy, 81) - 0.0, dy = y - cy - 0.25 - 0.5 * hash01(wx, wy, 83),
                    d = sqrt(dx * dx + dy * dy);
             if (d < best)
-                second = best, best = d, bi = wx, bj = wy;
+                second = best, best = d, *bi = wx, *bj = wy;
             else if (d < second)
                 second = d;
         }
     }
-    double gap = second - best, grain = fractal(u * 24, v * 24, 24, 4, 85);
+    return second - best;
+}
+
+static color cobble(double u, double v)
+{
+    int bi = 0, bj = 0;
+    double gap = cobble_gap(u, v, &bi, &bj), grain = fractal(u * 24, v * 24, 24, 4, 85);
     color c = mix(rgb(0x8f8a82), rgb(0xc8bfae), hash01(bi, bj, 87));
     c = mix(c, rgb(0xa58a72), hash01(bi, bj, 89) > 0.8 ? 0.7 : 0.0);
     c = shade(c, (0.78 + 0.30 * smoothstep(0.05, 0.5, gap)) * (1 + 0.30 * grain));

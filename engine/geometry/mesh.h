@@ -24,6 +24,7 @@ typedef struct daft_trimesh {
     uint32_t *uv_indices;     /* 3·triangle_count, DAFT_NO_UV for a corner without; NULL: same as indices */
     daft_vec3 *colors;        /* color_count, linear, 0..1; NULL: none */
     uint32_t *color_indices;  /* 3·triangle_count; NULL: same as indices */
+    float *alphas;            /* one a colour, 0..1: how much of the surface is there; NULL: all of it */
     uint16_t *slots;          /* a triangle's material slot; NULL: all 0 */
     uint32_t left_out;        /* triangles of the source that are not here */
     daft_vec3 low, high;      /* bounds; low > high when there is no triangle */
@@ -106,12 +107,14 @@ typedef struct daft_mtl {
     float metallic;                                 /* Pm */
     bool physical;                                  /* it has Pm, or a map of Pr or Pm */
     bool has_roughness;
-    uint32_t alpha_mode;      /* a daft_alpha_mode, of maps */
-    float alpha_cutoff, bump; /* bump: -bm */
-    float occlusion;          /* the strength of its map, which MTL says by -mm: 0..1 */
-    daft_vec2 scale, offset;  /* -s -o, of all maps */
-    uint32_t wrap;            /* -clamp: a daft_wrap */
-    daft_mtl_maps *maps;      /* NULL: none beside map_Kd. The list's */
+    uint32_t alpha_mode; /* a daft_alpha_mode, of maps */
+    bool fades;          /* it is on vertices with alpha, which alpha_mode is of, too */
+    float alpha_cutoff;
+    float bump, normal;      /* what slopes are multiplied by: -bm of bump, of norm */
+    float occlusion;         /* the strength of its map, which MTL says by -mm: 0..1 */
+    daft_vec2 scale, offset; /* -s -o, of all maps */
+    uint32_t wrap;           /* -clamp: a daft_wrap */
+    daft_mtl_maps *maps;     /* NULL: none beside map_Kd. The list's */
     daft_mtl_change diffuse_change;
     daft_vec3 filter;    /* Tf: 0..1 each */
     bool has_filter;     /* the file names it */

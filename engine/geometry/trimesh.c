@@ -20,6 +20,7 @@ void daft_trimesh_free(const daft_allocator *allocator, daft_trimesh *mesh)
     daft_release(allocator, mesh->slots);
     daft_release(allocator, mesh->colors);
     daft_release(allocator, mesh->color_indices);
+    daft_release(allocator, mesh->alphas);
     *mesh = (daft_trimesh){0};
 }
 
@@ -33,6 +34,7 @@ size_t daft_trimesh_bytes(const daft_trimesh *mesh)
     lists += mesh->color_indices != NULL;
     size_t bytes = 3 * padded(mesh->vertex_count) * sizeof(float) + lists * corners * sizeof(uint32_t);
     bytes += ((size_t)mesh->normal_count + mesh->color_count) * sizeof(daft_vec3) + mesh->uv_count * sizeof(daft_vec2);
+    bytes += mesh->alphas ? mesh->color_count * sizeof(float) : 0;
     return bytes + (mesh->slots ? mesh->triangle_count * sizeof(uint16_t) : 0);
 }
 
@@ -60,6 +62,7 @@ bool daft_trimesh_copy(const daft_allocator *allocator, const daft_trimesh *mesh
     copy.uv_indices = copy_of(allocator, mesh->uv_indices, corners, sizeof *mesh->uv_indices, &done);
     copy.colors = copy_of(allocator, mesh->colors, mesh->color_count, sizeof *mesh->colors, &done);
     copy.color_indices = copy_of(allocator, mesh->color_indices, corners, sizeof *mesh->color_indices, &done);
+    copy.alphas = copy_of(allocator, mesh->alphas, mesh->color_count, sizeof *mesh->alphas, &done);
     copy.slots = copy_of(allocator, mesh->slots, mesh->triangle_count, sizeof *mesh->slots, &done);
     if (done)
         *out = copy;
@@ -266,16 +269,20 @@ float daft_trimesh_color(double encoded)
     return (float)(encoded <= 0.04045 ? encoded / 12.92 : daft_pow((encoded + 0.055) / 1.055, 2.4));
 }
 
+float daft_trimesh_alpha(float alpha) { return alpha >= 0 ? fminf(alpha, 1) : alpha < 0 ? 0 : 1; }
+
+/* Alphas have colours, be they white. */
 static bool copy_colors(const daft_allocator *allocator, const daft_mesh_def *def, daft_trimesh *mesh,
                         daft_error *error)
 {
     mesh->colors = daft_alloc(allocator, def->vertex_count, sizeof(daft_vec3));
-    if (!mesh->colors) return daft_fail_memory(error, "a mesh's colours");
+    if (def->alphas) mesh->alphas = daft_alloc(allocator, def->vertex_count, sizeof(float));
+    if (!mesh->colors || (def->alphas && !mesh->alphas)) return daft_fail_memory(error, "a mesh's colours");
     mesh->color_count = def->vertex_count;
     for (uint32_t i = 0; i < def->vertex_count; i++) {
-        const daft_vec3 c = def->colors[i];
-        mesh->colors[i] =
-            daft_finite3(c) ? daft_min3(daft_max3(c, daft_v3(0, 0, 0)), daft_v3(1, 1, 1)) : daft_v3(1, 1, 1);
+        const daft_vec3 white = daft_v3(1, 1, 1), c = def->colors ? def->colors[i] : white;
+        mesh->colors[i] = daft_finite3(c) ? daft_min3(daft_max3(c, daft_v3(0, 0, 0)), white) : white;
+        if (def->alphas) mesh->alphas[i] = daft_trimesh_alpha(def->alphas[i]);
     }
     return true;
 }
@@ -288,7 +295,7 @@ bool daft_trimesh_from_arrays(const daft_allocator *allocator, const daft_mesh_d
     bool done = daft_trimesh_set_positions(allocator, &mesh, def->positions, def->vertex_count, error) &&
                 copy_triangles(allocator, def, log, &mesh, error);
     if (done && def->uvs && def->vertex_count > 0) done = copy_uvs(allocator, def, log, &mesh, error);
-    if (done && def->colors && def->vertex_count > 0) done = copy_colors(allocator, def, &mesh, error);
+    if (done && (def->colors || def->alphas) && def->vertex_count > 0) done = copy_colors(allocator, def, &mesh, error);
     if (done)
         done = def->normals && def->vertex_count > 0 ? copy_normals(allocator, def, &mesh, error)
                                                      : daft_trimesh_smooth(allocator, &mesh, DAFT_SMOOTH_CREASE, error);

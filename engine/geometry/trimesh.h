@@ -21,6 +21,8 @@ bool daft_trimesh_smooth_groups(const daft_allocator *allocator, daft_trimesh *m
 
 /* The linear value, 0..1, of a vertex's colour in sRGB (IEC 61966-2-1), as pictures are. */
 float daft_trimesh_color(double encoded);
+/* A vertex's alpha, 0..1; 1 where it is no number. */
+float daft_trimesh_alpha(float alpha);
 
 static inline daft_vec3 daft_trimesh_position(const daft_trimesh *mesh, uint32_t vertex)
 {

@@ -75,6 +75,11 @@ void DAFT_KERNEL(daft_facets_fetch)(const daft_snapshot *snapshot, const daft_fa
     }
 }
 
+static uint32_t color_traits(const daft_facets *f, const daft_trimesh *mesh)
+{
+    return (mesh->colors ? DAFT_TRAIT_COLORS : 0u) | (f->fades && mesh->alphas ? DAFT_TRAIT_FADES : 0u);
+}
+
 /* Stages triangles of one mesh and one material. Their common data is copied first: the compiler must assume that each
  * store may change it. */
 static void stage_alike(const daft_snapshot *snapshot, daft_facets *f, uint32_t first, uint32_t count, stage *out)
@@ -103,7 +108,7 @@ static void stage_alike(const daft_snapshot *snapshot, daft_facets *f, uint32_t 
     out->triangles = lanes, out->with_normals = normals ? lanes : 0;
     out->textured = daft_surface_is_textured(&snapshot->materials[material]) ? lanes : 0;
     out->colored = mesh->colors ? lanes : 0;
-    if (mesh->colors) f->traits |= DAFT_TRAIT_COLORS;
+    f->traits |= color_traits(f, mesh);
     vf_store(out->size, vf_set(fabsf(t[0]) + fabsf(t[1]) + fabsf(t[2])));
     vi_store(out->word, vi_set((int32_t)material | (mesh->colors ? FACET_COLORED : 0)));
 }
@@ -136,7 +141,7 @@ static void fetch_group(const daft_snapshot *snapshot, daft_facets *f, uint32_t 
         out->word[i] = (int32_t)material;
         if (daft_surface_is_textured(&snapshot->materials[material])) out->textured |= (vbits)1 << i;
         if (!s->mesh->colors) continue;
-        out->colored |= (vbits)1 << i, out->word[i] |= FACET_COLORED, f->traits |= DAFT_TRAIT_COLORS;
+        out->colored |= (vbits)1 << i, out->word[i] |= FACET_COLORED, f->traits |= color_traits(f, s->mesh);
     }
 }
 
@@ -300,13 +305,14 @@ static uint32_t color_word(float linear)
     return (uint32_t)((root < 1 ? root : 1) * FACET_COLOR_MOST + 0.5f);
 }
 
-static void set_colors(const daft_trimesh *mesh, uint32_t triangle, float row[DAFT_FACET_FLOATS])
+static void set_colors(const daft_trimesh *mesh, uint32_t triangle, bool fades, float row[DAFT_FACET_FLOATS])
 {
     const uint32_t *corner = &(mesh->color_indices ? mesh->color_indices : mesh->indices)[3 * (size_t)triangle];
     for (int k = 0; k < 3; k++) {
         const daft_vec3 c = mesh->colors[corner[k]];
         const uint32_t word = color_word(c.x) | color_word(c.y) << 10 | color_word(c.z) << 20;
         memcpy(&row[FACET_COLOR + k], &word, sizeof word);
+        if (fades) row[FACET_ALPHA + k] = mesh->alphas ? mesh->alphas[corner[k]] : 1;
     }
 }
 
@@ -328,6 +334,7 @@ void DAFT_KERNEL(daft_facets_setup)(const daft_snapshot *snapshot, daft_facets *
     }
     for (vbits left = from.colored; left; left &= left - 1) {
         uint32_t at = first + (uint32_t)__builtin_ctz(left);
-        set_colors(snapshot->instances[facets->instance[at]].mesh, facets->triangle[at], facets->row[at]);
+        set_colors(snapshot->instances[facets->instance[at]].mesh, facets->triangle[at], facets->fades,
+                   facets->row[at]);
     }
 }

@@ -308,7 +308,7 @@ static bool prepare_varying(daft_renderer *r, const daft_plan *plan, daft_error 
         daft_batch *const batches[BATCHES] = {&s->points, &s->next, s->third};
         for (int k = 0; k < BATCHES; k++)
             if (batches[k]) batches[k]->varying = all ? &r->varying[BATCHES * i + k] : NULL;
-        s->facets.colors = plan->colors, s->facets.tangents = plan->tangents;
+        s->facets.colors = plan->colors, s->facets.tangents = plan->tangents, s->facets.fades = plan->fades;
     }
     return true;
 }

@@ -18,6 +18,7 @@ typedef struct daft_plan {
     bool fog;                                    /* between what is seen and the eye */
     bool glossy;                                 /* some material that mirrors or transmits is rough */
     bool colors, varies, tangents, blends;       /* of what is in the frame: see DAFT_TRAIT_… */
+    bool fades;                                  /* the same of vertices' alpha, where something blends */
     int through_depth;                           /* surfaces that a path which passes through some may meet */
     bool tints, may_refract;                     /* some of these shadows let light through; some material transmits */
     bool filters;                                /* some of what keeps light away has alpha */

@@ -50,6 +50,7 @@ typedef struct daft_facets {
     uint32_t traits, last_material; /* of their materials: all traits; the one that was looked at last */
     bool one_material;
     bool colors, tangents;         /* of the frame: some mesh has colours, some material a map of normals */
+    bool fades;                    /* some mesh has alpha, and some material shows it */
     int32_t slot[DAFT_BATCH_ROOM]; /* what each point lies on */
     uint32_t instance[DAFT_BATCH_ROOM], triangle[DAFT_BATCH_ROOM];
     _Alignas(64) float row[DAFT_BATCH_ROOM][DAFT_FACET_FLOATS];

@@ -5,7 +5,7 @@
  * A triangle's texels lie in the rectangle around its corners' texture coordinates. Their least and largest bytes come
  * from a pyramid over the texture: cells of 4 by 4 texels, then of twice as many each way. A rectangle asks the finest
  * level on which it is at most ASKED cells wide and high, so an answer takes bounded time; cells that stick out make it
- * more cautious, never wrong. */
+ * more cautious, never wrong. Vertices' alpha is least and largest at corners. */
 #include "render/render.h"
 
 #include <math.h>
@@ -150,18 +150,25 @@ static byte_range triangle_range(const pyramid *p, const daft_surface *m, const 
     return r;
 }
 
+/* Least and largest alpha of a triangle's vertices. */
+typedef struct alpha_range {
+    float min, max;
+} alpha_range;
+
 /* Filters round: what comes within `close` of a limit may be on either side, unless all texels are the same end. */
-static uint8_t class_of(const daft_surface *m, byte_range r)
+static uint8_t class_of(const daft_surface *m, byte_range r, alpha_range own)
 {
     const daft_vec3 passes = m->transmittance;
     const bool stops = !(passes.x > 0 || passes.y > 0 || passes.z > 0);
-    const float close = 1e-5f, least = (float)r.min / 255 * m->opacity, most = (float)r.max / 255 * m->opacity;
+    const float close = 1e-5f, least = (float)r.min / 255 * m->opacity * own.min,
+                most = (float)r.max / 255 * m->opacity * own.max;
+    const bool whole = r.min == 255 && own.min >= 1, nothing = r.max == 0 || own.max <= 0;
     bool full, none;
     if (m->cutoff > 0) {
-        full = least >= m->cutoff + close || (r.min == 255 && m->opacity >= m->cutoff);
-        none = r.max == 0 || most < m->cutoff - close;
+        full = least >= m->cutoff + close || (whole && m->opacity >= m->cutoff);
+        none = nothing || most < m->cutoff - close;
     } else {
-        full = r.min == 255 && m->opacity >= 1, none = r.max == 0 || m->opacity <= 0;
+        full = whole && m->opacity >= 1, none = nothing || m->opacity <= 0;
     }
     if (none) return DAFT_OPACITY_CLEAR;
     return full && stops ? DAFT_OPACITY_OPAQUE : DAFT_OPACITY_MIXED;
@@ -173,20 +180,31 @@ static void corners_uv(const daft_trimesh *mesh, uint32_t triangle, daft_vec2 uv
     for (int k = 0; k < 3; k++) uv[k] = mesh->uvs && corner[k] != DAFT_NO_UV ? mesh->uvs[corner[k]] : (daft_vec2){0, 0};
 }
 
+static alpha_range corners_alpha(const daft_trimesh *mesh, uint32_t triangle)
+{
+    const uint32_t *corner = &(mesh->color_indices ? mesh->color_indices : mesh->indices)[3 * (size_t)triangle];
+    const float a = mesh->alphas[corner[0]], b = mesh->alphas[corner[1]], c = mesh->alphas[corner[2]];
+    return (alpha_range){fminf(a, fminf(b, c)), fmaxf(a, fmaxf(b, c))};
+}
+
 /* The triangles of one slot. */
 static bool classify(const daft_allocator *allocator, const daft_trimesh *mesh, uint32_t slot, const daft_surface *m,
                      const daft_texture_data *textures, uint8_t *out)
 {
     const uint32_t map = m->maps[DAFT_MAP_ALPHA];
-    const bool blends = daft_surface_blends(m), reads = blends && map != DAFT_NO_TEXTURE;
-    const uint8_t alike = class_of(m, (byte_range){255, 255}); /* without a texture */
+    const bool blends = daft_surface_blends(m), reads = blends && map != DAFT_NO_TEXTURE,
+               fades = blends && mesh->alphas;
+    const byte_range full = {255, 255};
+    const uint8_t alike = class_of(m, full, (alpha_range){1, 1}); /* without a texture */
     pyramid p = {0};
     if (reads && !pyramid_make(allocator, &textures[map], m->alpha_channel, &p)) return false;
     for (uint32_t i = 0; i < mesh->triangle_count; i++) {
         daft_vec2 uv[3];
         if ((mesh->slots ? mesh->slots[i] : 0) != slot) continue;
         if (reads) corners_uv(mesh, i, uv);
-        out[i] = reads ? class_of(m, triangle_range(&p, m, uv)) : alike;
+        out[i] = reads || fades ? class_of(m, reads ? triangle_range(&p, m, uv) : full,
+                                           fades ? corners_alpha(mesh, i) : (alpha_range){1, 1})
+                                : alike;
     }
     if (reads) daft_release(allocator, p.cells[0]);
     return true;

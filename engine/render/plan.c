@@ -133,6 +133,7 @@ daft_plan daft_plan_make(const daft_snapshot *snapshot)
     plan.varies = some_material(snapshot, varies);
     plan.tangents = plan.varies && some_material(snapshot, needs_tangents);
     plan.blends = plan.varies && some_material(snapshot, blends);
+    plan.fades = plan.blends && snapshot->fades;
     plan.through_depth = plan.quality->refraction_depth;
     if (plan.blends) plan.through_depth = daft_max_i(plan.through_depth, MOST_LAYERS);
     plan.filters = plan.blends && (plan.shadows || plan.occlusion) && some_flag(snapshot, DAFT_INSTANCE_FILTERS_SHADOW);

@@ -61,7 +61,7 @@ typedef struct daft_snapshot {
     uint32_t texture_count;
     const daft_light_source *lights;
     uint32_t light_count;
-    bool colors; /* some mesh has colours of its own */
+    bool colors, fades; /* some mesh has colours of its own; or alpha, too */
     daft_ambient ambient;
     float occlusion; /* metres within which what stands around keeps ambient light away; 0: nothing does */
     uint32_t seed;   /* of what is sampled */

@@ -21,6 +21,7 @@ enum {
     FACET_DENSITY = 35, /* units of uv a metre */
     FACET_UV = 36,
     FACET_COLOR = 42, /* of each corner, a word: see facet_color */
+    FACET_ALPHA = 45, /* of each corner, where some mesh of the frame has any */
     /* a sphere's */
     SPHERE_CENTRE = 0,
     SPHERE_RADIUS = 3,

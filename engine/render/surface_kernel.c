@@ -22,8 +22,9 @@ enum {
     WANT_TEXTURE = 4, /* uv and the footprint */
     WANT_PATH = 8,    /* what rays that go on need: weight, reach, spawn error */
     WANT_DISTANCE = 16,
-    WANT_COLOR = 32,  /* the vertices' colour */
-    WANT_TANGENT = 64 /* where u and v grow */
+    WANT_COLOR = 32,   /* the vertices' colour */
+    WANT_TANGENT = 64, /* where u and v grow */
+    WANT_ALPHA = 128   /* the vertices' alpha, which comes with their colour */
 };
 
 static uint32_t wants_of(uint32_t traits, const daft_surfaces_def *def)
@@ -32,6 +33,7 @@ static uint32_t wants_of(uint32_t traits, const daft_surfaces_def *def)
     if (traits & DAFT_TRAIT_SPECULAR) wants |= WANT_VIEW;
     if (traits & DAFT_TRAIT_TEXTURE) wants |= WANT_TEXTURE | WANT_DISTANCE;
     if (traits & DAFT_TRAIT_COLORS) wants |= WANT_COLOR;
+    if (traits & DAFT_TRAIT_FADES) wants |= WANT_ALPHA;
     if (traits & DAFT_TRAIT_VARIES) wants |= WANT_VIEW;
     if (traits & DAFT_TRAIT_MAPS) wants |= WANT_TEXTURE | WANT_DISTANCE;
     if (traits & DAFT_TRAIT_TANGENT) wants |= WANT_TANGENT;
@@ -54,7 +56,7 @@ typedef struct window {
 typedef struct meeting {
     vf3 point, shadow_origin, normal, outward;
     vf3 color, tangent, bitangent;
-    vf size, density, u, v;
+    vf size, density, u, v, alpha;
     vi word;
 } meeting;
 
@@ -136,12 +138,19 @@ DAFT_INLINE vf3 facet_color(const window *r, sort s, int corner, vm colored)
     return select3(colored, (vf3){x * x, y * y, z * z}, (vf3){one, one, one});
 }
 
+/* Of corners that are alike, just what they have: what is there in full hides all. */
+DAFT_INLINE vf facet_alpha(const window *r, sort s, const vf w[3], vm colored)
+{
+    const vf a = part(r, s, FACET_ALPHA), b = part(r, s, FACET_ALPHA + 1), c = part(r, s, FACET_ALPHA + 2);
+    return vf_if_then_else(colored, a + (b - a) * w[1] + (c - a) * w[2], vf_set(1));
+}
+
 DAFT_INLINE void meet_facets(const window *r, sort s, vbits smooth, uint32_t wants, meeting *m)
 {
     m->outward = m->normal = part3(r, s, FACET_OUTWARD);
     m->point = m->shadow_origin = plane_point(r, s, m->outward);
     m->size = part(r, s, FACET_SIZE);
-    m->color = set3(daft_v3(1, 1, 1)), m->tangent = m->bitangent = set3(daft_v3(0, 0, 0));
+    m->color = set3(daft_v3(1, 1, 1)), m->alpha = vf_set(1), m->tangent = m->bitangent = set3(daft_v3(0, 0, 0));
     if (!smooth && !(wants & (WANT_TEXTURE | WANT_COLOR))) return;
     vf w[3];
     corner_weights(r, s, w);
@@ -149,6 +158,7 @@ DAFT_INLINE void meet_facets(const window *r, sort s, vbits smooth, uint32_t wan
         const vm colored = vi_eq(m->word & vi_set(FACET_COLORED), vi_set(FACET_COLORED));
         const vf3 c[3] = {facet_color(r, s, 0, colored), facet_color(r, s, 1, colored), facet_color(r, s, 2, colored)};
         m->color = mean3(c, w);
+        if (wants & WANT_ALPHA) m->alpha = facet_alpha(r, s, w, colored);
     }
     if (wants & WANT_TANGENT) facet_axes(r, s, m);
     if (wants & WANT_TEXTURE) {
@@ -183,7 +193,7 @@ DAFT_INLINE void meet_spheres(const window *r, sort s, uint32_t wants, meeting *
     vf3 normal = unit3(sub3(near, centre));
     m->point = m->shadow_origin = add3(centre, scale3(normal, radius));
     m->size = part(r, s, FACET_SIZE);
-    m->color = set3(daft_v3(1, 1, 1)), m->tangent = m->bitangent = set3(daft_v3(0, 0, 0));
+    m->color = set3(daft_v3(1, 1, 1)), m->alpha = vf_set(1), m->tangent = m->bitangent = set3(daft_v3(0, 0, 0));
     if (wants & WANT_TEXTURE) {
         vf3 local =
             unit3((vf3){vf3_dot(part3(r, s, SPHERE_TURN), normal), vf3_dot(part3(r, s, SPHERE_TURN + 3), normal),
@@ -213,6 +223,7 @@ DAFT_INLINE void take_spheres(const window *r, sort s, vbits spheres, uint32_t w
     m->size = vf_if_then_else(which, b.size, m->size), m->density = vf_if_then_else(which, b.density, m->density);
     m->u = vf_if_then_else(which, b.u, m->u), m->v = vf_if_then_else(which, b.v, m->v);
     if (wants & WANT_COLOR) m->color = select3(which, b.color, m->color);
+    if (wants & WANT_ALPHA) m->alpha = vf_if_then_else(which, b.alpha, m->alpha);
     if (!(wants & WANT_TANGENT)) return;
     m->tangent = select3(which, b.tangent, m->tangent), m->bitangent = select3(which, b.bitangent, m->bitangent);
 }
@@ -285,6 +296,7 @@ DAFT_INLINE void store_meeting(const meeting *m, vf3 direction, vf3 normal, vf r
         vf_store(&b->u[at], m->u), vf_store(&b->v[at], m->v);
     }
     if (wants & WANT_COLOR) store3(&b->albedo, at, m->color);
+    if (wants & WANT_ALPHA) vf_store(&b->varying->opacity[at], m->alpha);
     if (wants & WANT_TANGENT)
         store3(&b->varying->tangent, at, m->tangent), store3(&b->varying->bitangent, at, m->bitangent);
     if (wants & WANT_PATH) vf_store(&b->extent[at], m->size);
@@ -524,7 +536,8 @@ void DAFT_KERNEL(daft_hit_points)(const daft_snapshot *snapshot, const daft_ray_
                                   const daft_hit *hits, uint32_t count, daft_facets *facets, daft_batch *points)
 {
     const uint32_t wants = WANT_SHADOW | WANT_VIEW | WANT_TEXTURE | WANT_PATH | WANT_DISTANCE |
-                           (facets->colors ? WANT_COLOR : 0u) | (facets->tangents ? WANT_TANGENT : 0u);
+                           (facets->colors ? WANT_COLOR : 0u) | (facets->fades ? WANT_ALPHA : 0u) |
+                           (facets->tangents ? WANT_TANGENT : 0u);
     facets->count = 0, facets->traits = 0, facets->last_material = UINT32_MAX;
     take_hits(snapshot, rays, first, hits, count, facets, points);
     if (facets->count) repeat_last(facets, points);

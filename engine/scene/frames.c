@@ -107,11 +107,14 @@ static daft_surface strip(daft_surface surface, uint32_t without)
     return surface;
 }
 
-static bool some_mesh_is_colored(const daft_assets *assets)
+static void find_colors(const daft_assets *assets, daft_snapshot *s)
 {
-    for (uint32_t i = 0; i < assets->mesh_slots.count; i++)
-        if (assets->meshes[i] && assets->meshes[i]->mesh.colors) return true;
-    return false;
+    s->colors = s->fades = false;
+    for (uint32_t i = 0; i < assets->mesh_slots.count; i++) {
+        if (!assets->meshes[i]) continue;
+        s->colors |= assets->meshes[i]->mesh.colors != NULL;
+        s->fades |= assets->meshes[i]->mesh.alphas != NULL;
+    }
 }
 
 /* Instances, and with them what they index: surfaces and textures. */
@@ -140,7 +143,7 @@ static bool frame_place(daft_scene *scene, daft_scene_frame *f, const daft_view 
     s->instances = listing.instances, s->instance_count = listing.count;
     s->materials = surfaces, s->material_count = assets->material_slots.count;
     s->textures = textures, s->texture_count = assets->texture_slots.count;
-    s->colors = some_mesh_is_colored(assets);
+    find_colors(assets, s);
     s->revision = ++scene->engine->revision;
     f->revision = scene->revision, f->tick = scene->tick, f->alpha = view->alpha, f->origin = view->camera.position;
     f->without = view->without, f->kdtrees = daft_uses_kdtrees(scene, view);

@@ -1,6 +1,7 @@
 /* Lights of entities that glow (`lights`). A sphere lights as itself. Of a mesh or a box, what gives off light is
- * summed up once, slot by slot: its area, its bounds, and how much of it faces each of six ways along the mesh's axes.
- * A picture then lights with one of two stand-ins of the same power:
+ * summed up along axes of its own (glow_sum.c): its area, its bounds, and how much of it faces each of the six ways
+ * along these. The sum is kept with the mesh or, of one that plays, with its pose. A picture then lights with one of
+ * two stand-ins of the same power:
  *
  * - up to six rectangles, one a way, each of the area that is seen from there, in the middle of what faces it: boxes
  *   and flat meshes are lit as they are, others about so;
@@ -10,89 +11,11 @@
  * Rays to either end before the bounds of what glows, so that it throws no shadow in its own light. */
 #include "image/image.h"
 #include "render/render.h"
-#include "scene/scene.h"
+#include "scene/glow.h"
 
-enum { SLANTS = 12 };
-
-/* What of a slot's triangles faces 2·axis (up) and 2·axis + 1 (down), in the mesh's axes and square metres; and the
- * sums of their areas and of their normals' sizes times these by how they are slanted, of which the surface of the
- * mesh is made when it is stretched. */
-struct daft_glow {
-    double area, facing[6], slanted[SLANTS];
-    daft_dvec3 slants[SLANTS];
-    daft_dvec3 middle, middles[6]; /* middles of triangles, times these areas */
-    daft_vec3 low, high;
-};
+enum { SETS = 8 }; /* of a mesh's slots, in one material and another */
 
 /* ---- meshes ---- */
-
-static daft_dvec3 corner(const daft_trimesh *mesh, uint32_t index)
-{
-    const uint32_t v = mesh->indices[index];
-    return daft_dv3((double)mesh->x[v], (double)mesh->y[v], (double)mesh->z[v]);
-}
-
-/* By its largest axis, and whether it is near that along either of the others: a normal's components are no less than
- * 0. */
-static int slant_of(daft_dvec3 n)
-{
-    const int k = n.x >= n.y && n.x >= n.z ? 0 : n.y >= n.z ? 1 : 2;
-    const double near = 0.41421356 * daft_dv3_at(n, k); /* the tangent of an eighth of a turn */
-    return 4 * k + 2 * (daft_dv3_at(n, (k + 1) % 3) > near) + (daft_dv3_at(n, (k + 2) % 3) > near);
-}
-
-static void add_triangle(daft_glow *sum, const daft_trimesh *mesh, uint32_t triangle)
-{
-    const daft_dvec3 a = corner(mesh, 3 * triangle), b = corner(mesh, 3 * triangle + 1),
-                     c = corner(mesh, 3 * triangle + 2);
-    const daft_dvec3 n = daft_dscale(daft_dcross(daft_dsub(b, a), daft_dsub(c, a)), 0.5),
-                     middle = daft_dscale(daft_dadd(daft_dadd(a, b), c), 1.0 / 3);
-    const double area = sqrt(daft_ddot(n, n));
-    const daft_dvec3 sizes = daft_dv3(fabs(n.x), fabs(n.y), fabs(n.z));
-    const int slant = slant_of(sizes);
-    sum->area += area, sum->middle = daft_dadd(sum->middle, daft_dscale(middle, area));
-    sum->slanted[slant] += area, sum->slants[slant] = daft_dadd(sum->slants[slant], sizes);
-    for (int axis = 0; axis < 3; axis++) {
-        const double along = daft_dv3_at(n, axis);
-        const int way = 2 * axis + (along < 0);
-        sum->facing[way] += fabs(along);
-        sum->middles[way] = daft_dadd(sum->middles[way], daft_dscale(middle, fabs(along)));
-    }
-    const daft_vec3 corners[3] = {daft_to_float(a), daft_to_float(b), daft_to_float(c)};
-    for (int i = 0; i < 3; i++)
-        sum->low = daft_min3(sum->low, corners[i]), sum->high = daft_max3(sum->high, corners[i]);
-}
-
-static daft_glow nothing(void)
-{
-    return (daft_glow){.low = {INFINITY, INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY, -INFINITY}};
-}
-
-/* Of each slot, made when it is first asked for. */
-static bool need_glow(const daft_scene *scene, daft_mesh_item *shape, daft_error *error)
-{
-    const daft_trimesh *mesh = &shape->mesh;
-    const uint32_t slots = daft_max_u(mesh->slot_count, 1);
-    if (shape->glow) return true;
-    daft_glow *all = daft_alloc(scene->allocator, slots, sizeof *all);
-    if (!all) return daft_fail_memory(error, "what glows of a mesh");
-    for (uint32_t i = 0; i < slots; i++) all[i] = nothing();
-    for (uint32_t i = 0; i < mesh->triangle_count; i++) add_triangle(&all[mesh->slots ? mesh->slots[i] : 0], mesh, i);
-    shape->glow = all;
-    return true;
-}
-
-static void add_glow(daft_glow *sum, const daft_glow *more)
-{
-    sum->area += more->area, sum->middle = daft_dadd(sum->middle, more->middle);
-    for (int way = 0; way < 6; way++) {
-        sum->facing[way] += more->facing[way];
-        sum->middles[way] = daft_dadd(sum->middles[way], more->middles[way]);
-    }
-    for (int i = 0; i < SLANTS; i++)
-        sum->slanted[i] += more->slanted[i], sum->slants[i] = daft_dadd(sum->slants[i], more->slants[i]);
-    sum->low = daft_min3(sum->low, more->low), sum->high = daft_max3(sum->high, more->high);
-}
 
 /* What a material gives off: with a map, in the mean over the image, which is the texel of its last level. */
 static daft_vec3 radiance_of(const daft_scene *scene, uint32_t material)
@@ -108,22 +31,78 @@ static daft_vec3 radiance_of(const daft_scene *scene, uint32_t material)
 
 static bool is_bright(daft_vec3 color) { return color.x > 0 || color.y > 0 || color.z > 0; }
 
-/* All that glows of an entity, and its mean radiance. False: nothing does. */
-static bool sum_up(const daft_scene *scene, const daft_entity_item *item, const daft_mesh_item *shape, daft_glow *sum,
-                   daft_vec3 *color)
+static uint32_t material_of(const daft_entity_item *item, const daft_mesh_item *shape, uint32_t slot)
+{
+    return item->def.material.id ? daft_asset_index(item->def.material.id) : shape->materials[slot];
+}
+
+void daft_glow_free(const daft_scene *scene, daft_glow **list)
+{
+    for (daft_glow *g = *list, *next; g; g = next) {
+        next = g->next;
+        daft_release(scene->allocator, g);
+    }
+    *list = NULL;
+}
+
+/* Which slots glow. */
+static uint64_t hash_slots(const daft_scene *scene, const daft_entity_item *item, const daft_mesh_item *shape)
+{
+    uint64_t hash = 1;
+    for (uint32_t i = 0; i < daft_max_u(shape->mesh.slot_count, 1); i++)
+        if (is_bright(radiance_of(scene, material_of(item, shape, i)))) hash = daft_hash(&i, sizeof i, hash);
+    return hash;
+}
+
+/* NULL: memory is out. */
+static daft_glow *sum_up(const daft_scene *scene, const daft_entity_item *item, const daft_mesh_item *shape,
+                         const daft_trimesh *mesh, uint64_t slots)
+{
+    const uint32_t count = daft_max_u(shape->mesh.slot_count, 1);
+    bool *glows = daft_alloc(scene->allocator, count, sizeof *glows);
+    for (uint32_t i = 0; glows && i < count; i++) glows[i] = is_bright(radiance_of(scene, material_of(item, shape, i)));
+    daft_glow *sum = glows ? daft_glow_sum(scene->allocator, mesh, glows) : NULL;
+    if (sum) sum->slots = slots;
+    daft_release(scene->allocator, glows);
+    return sum;
+}
+
+/* Adds one to a list, which is emptied where it has too many. */
+static const daft_glow *keep(const daft_scene *scene, daft_glow **list, daft_glow *sum)
+{
+    int count = 0;
+    for (const daft_glow *g = *list; g; g = g->next) count++;
+    if (count >= SETS) daft_glow_free(scene, list);
+    if (sum) sum->next = *list, *list = sum;
+    return sum;
+}
+
+/* What glows of an entity as it stands or, while it plays, as it is seen. NULL: memory is out. */
+static const daft_glow *glow_of(const daft_scene *scene, const daft_entity_item *item, daft_mesh_item *shape,
+                                daft_error *error)
+{
+    daft_animated *a = item->animated;
+    const daft_posed *posed = a ? daft_animated_shown(a, false) : NULL;
+    const uint64_t slots = hash_slots(scene, item, shape);
+    daft_glow **list = posed ? &a->glow : &shape->glow;
+    if (posed && a->glow_revision != posed->revision) daft_glow_free(scene, list), a->glow_revision = posed->revision;
+    for (const daft_glow *g = *list; g; g = g->next)
+        if (g->slots == slots) return g;
+    const daft_glow *sum = keep(scene, list, sum_up(scene, item, shape, posed ? &posed->mesh : &shape->mesh, slots));
+    if (!sum) daft_fail_memory(error, "what glows of a mesh");
+    return sum;
+}
+
+/* The mean over all that glows. */
+static daft_vec3 mean_radiance(const daft_scene *scene, const daft_entity_item *item, const daft_mesh_item *shape,
+                               const daft_glow *glow)
 {
     daft_dvec3 power = {0, 0, 0};
-    *sum = nothing();
     for (uint32_t i = 0; i < daft_max_u(shape->mesh.slot_count, 1); i++) {
-        const uint32_t material = item->def.material.id ? daft_asset_index(item->def.material.id) : shape->materials[i];
-        const daft_vec3 radiance = radiance_of(scene, material);
-        if (!is_bright(radiance)) continue;
-        add_glow(sum, &shape->glow[i]);
-        power = daft_dadd(power, daft_dscale(daft_to_double(radiance), shape->glow[i].area));
+        const daft_vec3 radiance = radiance_of(scene, material_of(item, shape, i));
+        if (glow->areas[i] > 0) power = daft_dadd(power, daft_dscale(daft_to_double(radiance), glow->areas[i]));
     }
-    if (!(sum->area > 0)) return false;
-    *color = daft_to_float(daft_dscale(power, 1 / sum->area));
-    return true;
+    return daft_to_float(daft_dscale(power, 1 / glow->area));
 }
 
 bool daft_glow_is_some(const daft_scene *scene, daft_material material, const daft_mesh_item *shape)
@@ -140,11 +119,11 @@ bool daft_glow_is_some(const daft_scene *scene, daft_material material, const da
 /* A mesh where it stands, about the picture's origin. */
 typedef struct placed {
     const daft_glow *glow;
-    daft_dvec3 columns[3], position;
-    double size[3];    /* of the bounds, in the mesh's axes */
-    double seen[3];    /* square metres along each axis, no more than the bounds have; in the mesh's axes */
-    double outside[3]; /* the same in the world's */
-    double fullness;   /* the surface's part of what the six ways see: 1 of boxes and flat meshes, 2/3 of balls */
+    daft_dvec3 columns[3], position; /* columns: its axes, in the world's space */
+    double size[3];                  /* of the bounds, along its axes, in the mesh's metres */
+    double seen[3];                  /* square metres along each axis, no more than the bounds have; the mesh's */
+    double outside[3];               /* the same in the world */
+    double fullness; /* the surface's part of what the six ways see: 1 of boxes and flat meshes, 2/3 of balls */
 } placed;
 
 static daft_dvec3 point_at(const placed *p, daft_dvec3 v)
@@ -159,7 +138,7 @@ static double length_of(daft_dvec3 v) { return sqrt(daft_ddot(v, v)); }
 static double surface_of(const daft_glow *glow, const double grown[3])
 {
     double sum = 0;
-    for (int i = 0; i < SLANTS; i++) {
+    for (int i = 0; i < DAFT_GLOW_SLANTS; i++) {
         const daft_dvec3 v = glow->slants[i], w = daft_dv3(v.x * grown[0], v.y * grown[1], v.z * grown[2]);
         if (glow->slanted[i] > 0) sum += glow->slanted[i] * length_of(w) / length_of(v);
     }
@@ -170,10 +149,13 @@ static double surface_of(const daft_glow *glow, const double grown[3])
 static placed place(const daft_glow *glow, const daft_daffine *world, daft_dvec3 origin)
 {
     placed p = {.glow = glow, .position = daft_dsub(daft_dv3(world->t[0], world->t[1], world->t[2]), origin)};
-    const daft_dvec3 size = daft_dsub(daft_to_double(glow->high), daft_to_double(glow->low));
+    const daft_dvec3 size = daft_dsub(glow->high, glow->low);
     double all = 0, grown[3];
     for (int k = 0; k < 3; k++) {
-        p.columns[k] = daft_dv3(world->m[k], world->m[3 + k], world->m[6 + k]);
+        const daft_dvec3 axis = glow->axes[k];
+        p.columns[k] = daft_dv3(world->m[0] * axis.x + world->m[1] * axis.y + world->m[2] * axis.z,
+                                world->m[3] * axis.x + world->m[4] * axis.y + world->m[5] * axis.z,
+                                world->m[6] * axis.x + world->m[7] * axis.y + world->m[8] * axis.z);
         p.size[k] = daft_dv3_at(size, k);
     }
     for (int k = 0; k < 3; k++) {
@@ -194,7 +176,7 @@ static bool is_round(const placed *p)
     return p->fullness < 0.8 && most < 1.5 * least;
 }
 
-/* In the mesh's axes; of a mesh whose triangles are turned inside out, what faces the other way is on this side. */
+/* Along its axes; of a mesh whose triangles are turned inside out, what faces the other way is on this side. */
 static daft_dvec3 middle_of_way(const placed *p, int way)
 {
     const double *facing = p->glow->facing, most = fmax(facing[way], facing[way ^ 1]);
@@ -233,18 +215,12 @@ static void shine_around(const placed *p, daft_light_source *light)
     light->radius = (float)sqrt(surface / (4 * 3.14159265358979));
 }
 
-/* The bounds, a little larger, by more than roundings of places; while it plays, those of its clips, too. False: it is
- * too small or too flat for floats, and is not drawn. */
-static bool bound(const placed *p, const daft_entity_item *item, const daft_mesh_item *shape, daft_light_source *light)
+/* The bounds, a little larger, by more than roundings of places. False: it is too small or too flat for floats, and is
+ * not drawn. */
+static bool bound(const placed *p, daft_light_source *light)
 {
-    daft_vec3 low = p->glow->low, high = p->glow->high;
-    if (item->animated) {
-        daft_vec3 a, b;
-        daft_animated_bounds(item->animated, shape->rig, &a, &b);
-        low = daft_min3(low, a), high = daft_max3(high, b);
-    }
-    const daft_dvec3 a = daft_to_double(low), b = daft_to_double(high),
-                     middle = point_at(p, daft_dscale(daft_dadd(a, b), 0.5)), half = daft_dscale(daft_dsub(b, a), 0.5);
+    const daft_dvec3 a = p->glow->low, b = p->glow->high, middle = point_at(p, daft_dscale(daft_dadd(a, b), 0.5)),
+                     half = daft_dscale(daft_dsub(b, a), 0.5);
     daft_dvec3 sides[3];
     double most = 0;
     for (int k = 0; k < 3; k++) most = fmax(most, daft_dv3_at(half, k) * length_of(p->columns[k]));
@@ -271,14 +247,11 @@ static uint32_t light_sphere(const daft_scene *scene, const daft_entity_item *it
 }
 
 /* `like`: what all of its lights have. */
-static uint32_t light_shape(const daft_scene *scene, const daft_entity_item *item, const daft_daffine *world,
-                            daft_dvec3 origin, daft_light_source like, daft_light_source *lights)
+static uint32_t light_shape(const daft_glow *glow, const daft_daffine *world, daft_dvec3 origin, daft_light_source like,
+                            daft_light_source *lights)
 {
-    const daft_mesh_item *shape = daft_entity_shape(scene, item);
-    daft_glow sum;
-    if (!sum_up(scene, item, shape, &sum, &like.color)) return 0;
-    const placed p = place(&sum, world, origin);
-    if (!bound(&p, item, shape, &like)) return 0;
+    const placed p = place(glow, world, origin);
+    if (!bound(&p, &like)) return 0;
     uint32_t count = 0;
     const bool round = is_round(&p);
     lights[0] = like;
@@ -298,12 +271,18 @@ bool daft_glow_lights(const daft_scene *scene, uint32_t index, float alpha, daft
     daft_daffine world;
     *count = 0;
     if (item->def.shape == DAFT_SHAPE_NONE || !daft_entity_place(scene, index, alpha, &world)) return true;
-    if (shape && !need_glow(scene, shape, error)) return false;
     lights[0] =
         (daft_light_source){.casts_shadow = true,
                             .position = daft_to_float(daft_dsub(daft_dv3(world.t[0], world.t[1], world.t[2]), origin)),
                             .entity = daft_slots_handle(&scene->entity_slots, index)};
-    *count = shape ? light_shape(scene, item, &world, origin, lights[0], lights)
-                   : light_sphere(scene, item, &world, &lights[0]);
+    if (!shape) {
+        *count = light_sphere(scene, item, &world, &lights[0]);
+        return true;
+    }
+    const daft_glow *glow = glow_of(scene, item, shape, error);
+    if (!glow) return false;
+    if (!(glow->area > 0)) return true;
+    lights[0].color = mean_radiance(scene, item, shape, glow);
+    *count = light_shape(glow, &world, origin, lights[0], lights);
     return true;
 }

@@ -154,13 +154,15 @@ static bool repeat_material(maker *m, uint32_t material)
     return all != NULL;
 }
 
-/* Notes an entity that plays, unless the picture can do without it. */
+/* Notes an entity that plays, unless the picture can do without it, and without its light. */
 static bool list_posed(maker *m, uint32_t index)
 {
     const daft_entity_item *item = daft_entity_world(m->scene, index, m->alpha);
+    const daft_mesh_item *shape = daft_entity_shape(m->scene, item);
     daft_vec3 low, high;
-    daft_animated_bounds(item->animated, daft_entity_shape(m->scene, item)->rig, &low, &high);
-    const bool seen = !m->sight || daft_sight_has(m->scene, m->sight, item, low, high);
+    daft_animated_bounds(item->animated, shape->rig, &low, &high);
+    const bool lights = item->def.lights && daft_glow_is_some(m->scene, item->def.material, shape),
+               seen = !m->sight || lights || daft_sight_has(m->scene, m->sight, item, low, high);
     if (seen) m->posed[m->posed_count++] = index;
     m->unseen += !seen;
     return seen;

@@ -5,7 +5,7 @@
  *
  * This header is private to the room. Data: assets are append-only arrays (a handle is index + 1; a failed load cuts
  * them back to where they were), entities and lights are slot maps with parallel arrays of items.
- * Public headers: scene.h */
+ * Public headers: scene.h. Inner headers: glow.h */
 #ifndef DAFT_SCENE_H
 #define DAFT_SCENE_H
 
@@ -75,7 +75,7 @@ typedef struct daft_mesh_item {
     daft_rig *rig;             /* NULL: it has no clips */
     daft_scenery scenery;      /* of its file */
     daft_opacity_set *opacity; /* a list; NULL: no picture has shown it in a material with alpha */
-    daft_glow *glow;           /* of each slot (glow.c); NULL: no entity has asked that it lights */
+    daft_glow *glow;           /* a list (glow.c); NULL: no entity has asked that it lights */
 } daft_mesh_item;
 
 /* A box's mesh, shared by the entities of the same size, gone with the last of them. */
@@ -189,6 +189,8 @@ typedef struct daft_animated {
     daft_posed *posed[DAFT_POSES];
     uint32_t shown; /* of the first two: the one in the last list of instances */
     daft_rig_space *space;
+    daft_glow *glow; /* as of a mesh, of the pose of this revision */
+    uint64_t glow_revision;
 } daft_animated;
 
 /* What of a scene can be in a picture: five planes through the frame's origin, what is within a margin of them, and the
@@ -408,6 +410,8 @@ uint32_t daft_asset_add(daft_scene *scene, daft_slots *slots, daft_asset_state *
 void daft_material_free(daft_scene *scene, uint32_t index);
 /* A texture, by its handle, is another picture now. */
 void daft_material_refresh(daft_scene *scene, uint32_t texture);
+/* There is a mesh whose vertices have alpha: materials that mask or blend may not be opaque on it. */
+void daft_materials_fade(daft_scene *scene);
 enum { DAFT_MATERIAL_TEXTURES = 12 };
 const daft_texture *daft_material_textures(const daft_material_def *def, daft_texture out[DAFT_MATERIAL_TEXTURES]);
 
@@ -524,6 +528,7 @@ enum { DAFT_GLOW_LIGHTS = 6 };
 /* What an entity with `lights` lights with, about the picture's origin. False: memory is out. */
 bool daft_glow_lights(const daft_scene *scene, uint32_t index, float alpha, daft_dvec3 origin,
                       daft_light_source lights[DAFT_GLOW_LIGHTS], uint32_t *count, daft_error *error);
+void daft_glow_free(const daft_scene *scene, daft_glow **list);
 /* Whether a material, or without one some of the shape's own, gives off light. `shape` NULL: a sphere. */
 bool daft_glow_is_some(const daft_scene *scene, daft_material material, const daft_mesh_item *shape);
 

@@ -82,12 +82,12 @@ float daft_mask_steepness(const daft_surface *m, const daft_texture_data *textur
     return count ? (float)(sum / (double)count) * texels : 0;
 }
 
-float daft_surface_opacity(const daft_surface *m, const daft_texture_data *textures, daft_vec2 uv,
+float daft_surface_opacity(const daft_surface *m, const daft_texture_data *textures, daft_vec2 uv, float own,
                            daft_texture_filter filter)
 {
     const uint32_t map = m->maps[DAFT_MAP_ALPHA];
     const float alpha = map == DAFT_NO_TEXTURE ? 1 : alpha_at(m, &textures[map], uv, filter == DAFT_TEXTURE_NEAREST);
-    const float opacity = clamp(alpha * m->opacity, 1);
+    const float opacity = clamp(alpha * own * m->opacity, 1);
     if (!(m->cutoff > 0)) return opacity;
     return opacity < m->cutoff ? 0 : 1;
 }

@@ -61,8 +61,9 @@ enum {
     DAFT_TRAIT_TANGENT = 128, /* some of these are normals or heights */
     DAFT_TRAIT_PHYSICAL = 256,
     DAFT_TRAIT_BLEND = 512,
-    DAFT_TRAIT_AROUND = 1024,   /* mirrors an image all around it */
-    DAFT_TRAIT_OCCLUSION = 2048 /* a map keeps ambient light away */
+    DAFT_TRAIT_AROUND = 1024,    /* mirrors an image all around it */
+    DAFT_TRAIT_OCCLUSION = 2048, /* a map keeps ambient light away */
+    DAFT_TRAIT_FADES = 4096      /* a mesh's vertices have alpha: as DAFT_TRAIT_COLORS, with which it comes */
 };
 
 static inline uint32_t daft_surface_traits(const daft_surface *m)
@@ -89,8 +90,8 @@ static inline bool daft_surface_absorbs(const daft_surface *m)
 static inline bool daft_surface_blends(const daft_surface *m) { return m->traits & DAFT_TRAIT_BLEND; }
 
 /* opacity.c. How much of a surface that blends is there at a place of its texture, 0..1: what `vary` finds at a point
- * whose pixel is smaller than a texel. */
-float daft_surface_opacity(const daft_surface *m, const daft_texture_data *textures, daft_vec2 uv,
+ * whose pixel is smaller than a texel. `own`: the vertices' alpha there. */
+float daft_surface_opacity(const daft_surface *m, const daft_texture_data *textures, daft_vec2 uv, float own,
                            daft_texture_filter filter);
 
 /* How fast the alpha of a mask rises where its outline is, on average, per unit of u and v; 0: the material is no mask
@@ -183,7 +184,7 @@ typedef struct daft_varying {
     daft_lanes3 emission, mirror;   /* mirror: of the rays that are sent on */
     float gloss[DAFT_BATCH_ROOM];   /* Phong's exponent or, less than 0, minus alpha of facets */
     float alpha[DAFT_BATCH_ROOM];   /* of the facets that mirror and transmit */
-    float opacity[DAFT_BATCH_ROOM]; /* the rest is seen through it */
+    float opacity[DAFT_BATCH_ROOM]; /* the rest is seen through it; DAFT_TRAIT_FADES: before `vary`, the vertices' */
 } daft_varying;
 
 /* Two diameters of the ellipse on the surface that a pixel sees, in units of u and v, each parallel to the ellipse's

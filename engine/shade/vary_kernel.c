@@ -227,6 +227,7 @@ static void make_opacity(const place *p, const material_reader *m)
     const vi channel = (vi)MATERIAL_WORD(m, alpha_channel), traits = (vi)MATERIAL_WORD(m, traits);
     vf opacity = vf_if_then_else(vi_eq(channel, vi_set(3)), alpha, c.y);
     opacity = vf_if_then_else(vi_eq(channel, vi_set(0)), c.x, vf_if_then_else(vi_eq(channel, vi_set(2)), c.z, opacity));
+    if (p->batch->traits & DAFT_TRAIT_FADES) opacity = opacity * vf_load(&v->opacity[i]);
     const vm masks = vf_lt(zero, MATERIAL_WORD(m, cutoff));
     const vf blended = vf_clamp01(opacity * MATERIAL_WORD(m, opacity));
     opacity = vbits_from_mask(masks) ? vf_if_then_else(masks, mask_coverage(p, m, opacity), blended) : blended;

@@ -140,6 +140,7 @@ static bool convert(const daft_foreign *from, daft_obj *out)
 {
     daft_obj made = {0};
     if (daft_foreign_mesh(from, &made) && daft_foreign_materials(from, &made.slots) && drop_unused(from, &made)) {
+        for (size_t i = 0; i < made.slots.count; i++) made.slots.items[i].fades = made.mesh.alphas != NULL;
         *out = made;
         return true;
     }

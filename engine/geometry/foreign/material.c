@@ -185,6 +185,13 @@ static bool take_occlusion(const reader *r, daft_mtl *out)
     return take_map(r, type, DAFT_MTL_OCCLUSION, out);
 }
 
+/* glTF has a scale beside it, of x and y: of the slopes. */
+static bool take_normals(const reader *r, daft_mtl *out)
+{
+    number(r, AI_MATKEY_GLTF_TEXTURE_SCALE(aiTextureType_NORMALS, 0), &out->normal);
+    return take_map(r, aiTextureType_NORMALS, DAFT_MTL_NORMAL, out);
+}
+
 static bool fill(const reader *r, uint32_t index, daft_mtl *out)
 {
     struct aiString name;
@@ -209,7 +216,7 @@ static bool fill(const reader *r, uint32_t index, daft_mtl *out)
     out->physical = physical;
     return take_map(r, aiTextureType_BASE_COLOR, DAFT_MTL_DIFFUSE, out) &&
            (out->diffuse_map[0] || take_map(r, aiTextureType_DIFFUSE, DAFT_MTL_DIFFUSE, out)) &&
-           (!physical || take_physical_maps(r, out)) && take_map(r, aiTextureType_NORMALS, DAFT_MTL_NORMAL, out) &&
+           (!physical || take_physical_maps(r, out)) && take_normals(r, out) &&
            take_map(r, aiTextureType_EMISSIVE, DAFT_MTL_EMISSION, out) && take_occlusion(r, out);
 }
 

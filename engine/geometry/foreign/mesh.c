@@ -79,6 +79,7 @@ static void put_vertices(flattener *f, const struct aiMesh *mesh, const double p
         f->mesh.uvs[at] = isfinite(uv.x) && isfinite(uv.y) ? (daft_vec2){uv.x, uv.y} : (daft_vec2){0, 0};
         if (f->mesh.colors)
             f->mesh.colors[at] = mesh->mColors[0] ? color_of(f, &mesh->mColors[0][i]) : daft_v3(1, 1, 1);
+        if (f->mesh.alphas) f->mesh.alphas[at] = mesh->mColors[0] ? daft_trimesh_alpha(mesh->mColors[0][i].a) : 1;
     }
 }
 
@@ -123,7 +124,8 @@ static bool reserve_colors(flattener *f, size_t vertices, size_t triangles)
     m->color_count = (uint32_t)vertices;
     m->colors = daft_alloc(f->from->allocator, vertices, sizeof *m->colors);
     m->color_indices = daft_alloc(f->from->allocator, triangles, 3 * sizeof *m->color_indices);
-    return (m->colors && m->color_indices) || daft_fail_memory(f->from->error, "a model's colours");
+    m->alphas = daft_alloc(f->from->allocator, vertices, sizeof *m->alphas);
+    return (m->colors && m->color_indices && m->alphas) || daft_fail_memory(f->from->error, "a model's colours");
 }
 
 static bool reserve(flattener *f)
@@ -240,6 +242,11 @@ static bool weld(flattener *f)
 static void drop_white(flattener *f)
 {
     daft_trimesh *m = &f->mesh;
+    bool faint = false;
+    for (uint32_t i = 0; m->alphas && i < f->count && !faint; i++) faint = m->alphas[i] < 1;
+    if (faint) return;
+    daft_release(f->from->allocator, m->alphas);
+    m->alphas = NULL;
     for (uint32_t i = 0; m->colors && i < f->count; i++)
         if (m->colors[i].x < 1 || m->colors[i].y < 1 || m->colors[i].z < 1) return;
     daft_release(f->from->allocator, m->colors), daft_release(f->from->allocator, m->color_indices);

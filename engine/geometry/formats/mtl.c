@@ -36,6 +36,7 @@ daft_mtl daft_mtl_default(void)
                       .opacity = 1,
                       .alpha_cutoff = 0.5f,
                       .bump = 1,
+                      .normal = 1,
                       .occlusion = 1,
                       .scale = {1, 1},
                       .diffuse_change = {.gain = 1},
@@ -375,6 +376,7 @@ static bool read_other_map(reader *r, const char *word, const char *p)
     if (other_maps[k].use == DAFT_MTL_REFLECTION)
         return true; /* also of a cube: it lies around all, not on the surface */
     if (use == DAFT_MTL_BUMP) r->current->bump = settings.bump;
+    if (use == DAFT_MTL_NORMAL) r->current->normal = settings.bump;
     place_maps(r, word, &settings, false);
     complete_factor(r, use);
     return r->has_map = true;

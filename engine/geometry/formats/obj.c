@@ -27,6 +27,7 @@ void daft_obj_source_free(daft_obj_source *source)
     daft_release(allocator, source->normals);
     daft_release(allocator, source->uvs);
     daft_release(allocator, source->colors);
+    daft_release(allocator, source->alphas);
     daft_release(allocator, source->corner_positions);
     daft_release(allocator, source->corner_uvs);
     daft_release(allocator, source->corner_normals);

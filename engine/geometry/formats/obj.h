@@ -33,7 +33,8 @@ typedef struct daft_obj_source {
     daft_vec3 *normals;
     daft_vec2 *uvs;
     daft_vec3 *colors; /* of the first color_count positions, linear; NULL: none has one */
-    size_t color_count, color_room;
+    float *alphas;     /* of as many of these; NULL: none has one */
+    size_t color_count, color_room, alpha_count, alpha_room;
     /* Of each corner, from 0. Positions may lie beyond the file's last, as forward references do. NULL: no corner has
      * any. */
     uint32_t *corner_positions, *corner_uvs, *corner_normals;

@@ -232,6 +232,16 @@ static void take_faces(builder *b)
     for (uint32_t i = 0; s->face_of && i < mesh->triangle_count; i++) s->face_of[i] = i;
 }
 
+static bool take_alphas(builder *b)
+{
+    daft_obj_source *s = b->source;
+    if (!daft_grow(s->allocator, &s->alphas, &s->alpha_room, s->position_count, s->alpha_count, sizeof *s->alphas))
+        return daft_fail_memory(b->error, "a mesh's colours");
+    while (s->alpha_count < s->position_count) s->alphas[s->alpha_count++] = 1;
+    b->mesh->alphas = take(s, &s->alphas, s->alpha_room, s->position_count, sizeof *s->alphas);
+    return true;
+}
+
 static bool take_colors(builder *b)
 {
     daft_obj_source *s = b->source;
@@ -241,7 +251,7 @@ static bool take_colors(builder *b)
     while (s->color_count < s->position_count) s->colors[s->color_count++] = daft_v3(1, 1, 1);
     b->mesh->colors = take(s, &s->colors, s->color_room, s->position_count, sizeof *s->colors);
     b->mesh->color_count = (uint32_t)s->position_count;
-    return true;
+    return !s->alphas || take_alphas(b);
 }
 
 /* x, y, z with zeros behind them, and in place of what is not finite: no triangle uses that. */

@@ -99,7 +99,16 @@ static bool fill_colors(const reader *r, size_t count)
     return true;
 }
 
-/* A weight (4 numbers), which is not used, or a colour (6 or, with an alpha that is not used, 7). */
+/* The same of alphas; positions without one have 1. */
+static bool fill_alphas(const reader *r, size_t count)
+{
+    daft_obj_source *s = r->source;
+    if (!grow(r, &s->alphas, &s->alpha_room, count, s->alpha_count, sizeof *s->alphas)) return false;
+    while (s->alpha_count < count) s->alphas[s->alpha_count++] = 1;
+    return true;
+}
+
+/* A weight (4 numbers), which is not used, or a colour (6 or, with an alpha, 7). */
 static bool read_position_rest(reader *r, const char *start, const char **cursor)
 {
     double more[4] = {0, 0, 0, 0}, ignored;
@@ -112,6 +121,9 @@ static bool read_position_rest(reader *r, const char *start, const char **cursor
     if (!fill_colors(r, r->source->position_count + 1)) return false;
     r->source->colors[r->source->position_count] =
         daft_v3(daft_trimesh_color(more[0]), daft_trimesh_color(more[1]), daft_trimesh_color(more[2]));
+    if (count != 4) return true;
+    if (!fill_alphas(r, r->source->position_count + 1)) return false;
+    r->source->alphas[r->source->position_count] = daft_trimesh_alpha((float)more[3]);
     return true;
 }
 

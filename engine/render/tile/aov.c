@@ -81,7 +81,7 @@ void daft_tile_aov_albedo(const tile_job *j)
     if (!aov->albedo || j->refines || j->frame->sample > 0 || !in_band(j)) return;
     for (uint32_t i = 0; i < b->count; i++) {
         daft_vec3 own = j->snapshot->materials[b->material[i]].diffuse;
-        if (b->traits & DAFT_TRAIT_TEXTURE)
+        if (b->traits & (DAFT_TRAIT_TEXTURE | DAFT_TRAIT_COLORS))
             own = daft_v3(own.x * b->albedo.x[i], own.y * b->albedo.y[i], own.z * b->albedo.z[i]);
         aov->albedo[tile_pixel(j, b->pixel[i])] = own;
     }

@@ -37,6 +37,15 @@ static daft_vec2 triangle_uv(const daft_trimesh *mesh, const daft_pierced *hit)
     return uv;
 }
 
+/* As render/surface_kernel.c has it of points. */
+static float vertex_alpha(const daft_trimesh *mesh, const daft_pierced *hit)
+{
+    if (!mesh || !mesh->alphas) return 1;
+    const uint32_t *corner = &(mesh->color_indices ? mesh->color_indices : mesh->indices)[3 * (size_t)hit->triangle];
+    const float a = mesh->alphas[corner[0]], b = mesh->alphas[corner[1]], c = mesh->alphas[corner[2]];
+    return a + (b - a) * hit->u + (c - a) * hit->v;
+}
+
 static float opacity_at(beam *b, const daft_instance *instance, const daft_surface *m, const daft_pierced *hit)
 {
     const daft_snapshot *s = b->j->snapshot;
@@ -47,7 +56,7 @@ static float opacity_at(beam *b, const daft_instance *instance, const daft_surfa
         uv = instance->mesh ? triangle_uv(instance->mesh, hit)
                             : sphere_uv(instance, daft_add(b->ray.origin, daft_scale(b->ray.direction, hit->t)));
     }
-    return daft_surface_opacity(m, s->textures, uv, s->quality.texture_filter);
+    return daft_surface_opacity(m, s->textures, uv, vertex_alpha(instance->mesh, hit), s->quality.texture_filter);
 }
 
 static bool meet(void *user, const daft_pierced *hit)

@@ -54,6 +54,7 @@ void daft_animated_free(daft_scene *scene, daft_animated *a)
     if (a->previous) a->previous->next = a->next;
     if (scene->animated == a) scene->animated = a->next;
     daft_rig_space_free(a->space);
+    daft_glow_free(scene, &a->glow);
     daft_release(scene->allocator, a);
 }
 

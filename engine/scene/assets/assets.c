@@ -27,7 +27,7 @@ static void mesh_free(const daft_scene *scene, daft_mesh_item *item)
     daft_rig_free(scene->allocator, item->rig);
     daft_scenery_free(scene->allocator, &item->scenery);
     daft_opacity_free(scene, item);
-    daft_release(scene->allocator, item->glow);
+    daft_glow_free(scene, &item->glow);
     daft_release(scene->allocator, item->materials);
     daft_release(scene->allocator, item->path);
     daft_release(scene->allocator, item);
@@ -180,6 +180,7 @@ static daft_mesh mesh_add(daft_scene *scene, daft_mesh_item *item)
     uint32_t index = daft_asset_index(mesh.id);
     if (item->path) daft_map_add(&assets->mesh_map, item->hash, index);
     assets->meshes[index] = item;
+    if (item->mesh.alphas) daft_materials_fade(scene);
     return mesh;
 }
 
@@ -297,8 +298,7 @@ bool daft_mesh_set_positions(daft_scene *scene, daft_mesh mesh, const daft_vec3 
                          "the mesh's triangles are what a body is made of: they do not move");
     if (daft_frame_is_taken(scene)) item = mesh_replace(scene, mesh, error);
     if (!item || !daft_trimesh_deform(scene->allocator, &item->mesh, positions, normals, error)) return false;
-    daft_release(scene->allocator, item->glow);
-    item->glow = NULL;
+    daft_glow_free(scene, &item->glow);
     const daft_bvh_def def = mesh_tree(scene);
     if (daft_bvh_update(item->bvh, &item->mesh, &def)) scene->counters.mesh_builds++;
     daft_kdtree_free(item->kdtree);

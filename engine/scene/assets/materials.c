@@ -66,10 +66,19 @@ static void set_maps(const daft_scene *scene, const daft_material_def *def, daft
     if (mirrors_image(def)) s->traits |= DAFT_TRAIT_AROUND, s->reflection = s->mirror, s->mirror = daft_v3(0, 0, 0);
 }
 
+/* Any material may be put on any mesh. */
+static bool some_mesh_fades(const daft_assets *assets)
+{
+    for (uint32_t i = 0; i < assets->mesh_slots.count; i++)
+        if (assets->meshes[i] && assets->meshes[i]->mesh.alphas) return true;
+    return false;
+}
+
 /* Its alpha is 1 wherever it is. */
 static bool alpha_is_whole(const daft_scene *scene, const daft_material_def *def)
 {
     if (def->alpha_map.id) return false; /* which may be a picture's green */
+    if (some_mesh_fades(&scene->assets)) return false;
     const bool has = def->diffuse_map.id && scene->assets.textures[daft_asset_index(def->diffuse_map.id)].has_alpha;
     return !has && def->opacity >= (def->alpha_mode == DAFT_ALPHA_MASK ? def->alpha_cutoff : 1);
 }
@@ -168,6 +177,15 @@ void daft_material_refresh(daft_scene *scene, uint32_t texture)
         if (def->alpha_map.id == texture || def->diffuse_map.id == texture)
             assets->surfaces[i] = surface_from(scene, def);
     }
+}
+
+void daft_materials_fade(daft_scene *scene)
+{
+    daft_assets *assets = &scene->assets;
+    for (uint32_t i = 0; i < assets->material_slots.count; i++)
+        if (assets->materials[i].alpha_mode != DAFT_ALPHA_OPAQUE)
+            assets->surfaces[i] = surface_from(scene, &assets->materials[i]);
+    daft_scene_touch(scene);
 }
 
 static bool def_check(const daft_scene *scene, const daft_material_def *def, daft_error *error)
@@ -342,7 +360,7 @@ static void blend_or_mask(const daft_scene *scene, const daft_mtl *mtl, daft_mat
         def->opacity = mtl->opacity, def->transmission = 0;
         const daft_texture own = def->diffuse_map;
         const bool some = own.id && scene->assets.textures[daft_asset_index(own.id)].has_alpha;
-        if (!some && def->opacity == 1) def->alpha_mode = DAFT_ALPHA_OPAQUE;
+        if (!some && def->opacity == 1 && !mtl->fades) def->alpha_mode = DAFT_ALPHA_OPAQUE;
         return;
     }
     const daft_texture_data *t = &scene->assets.textures[daft_asset_index(def->alpha_map.id)];
@@ -365,7 +383,9 @@ daft_material daft_material_from_mtl(daft_scene *scene, const daft_mtl *mtl, daf
     def.shininess = mtl->shininess < 1000 ? mtl->shininess : 1000;
     def.roughness = mtl->roughness;
     def.map_scale = mtl->scale, def.map_offset = mtl->offset, def.map_wrap = mtl->wrap;
-    def.bump_strength = mtl->bump, def.metallic = mtl->metallic, def.occlusion_strength = mtl->occlusion;
+    def.bump_strength = fminf(fmaxf(mtl->bump, -1000), 1000),
+    def.normal_strength = fminf(fmaxf(mtl->normal, -100), 100);
+    def.metallic = mtl->metallic, def.occlusion_strength = mtl->occlusion;
     def.alpha_mode = mtl->alpha_mode, def.alpha_cutoff = mtl->alpha_cutoff;
     /* illum 3 to 9 with a Pr alone is MTL's mirror, as rough as that says */
     const bool physical = mtl->physical || (mtl->has_roughness && mtl->illum < 3);

@@ -46,8 +46,8 @@ static daft_vec3 texel_at(const daft_texture_data *map, float u, float v)
                    daft_srgb_to_linear((float)rgba[2] / 255));
 }
 
-/* The luminance (BT.709) of what a surface scatters. */
-static float reflectivity(const daft_scene *scene, const daft_surface *surface, daft_vec2 uv)
+/* The luminance (BT.709) of what a surface scatters of the light that comes, and of that what gets back. */
+static float reflectivity(const daft_scene *scene, const daft_surface *surface, daft_vec2 uv, daft_vec3 through)
 {
     daft_vec3 c = surface->diffuse;
     if (surface->texture != DAFT_NO_TEXTURE && isfinite(uv.x) && isfinite(uv.y)) {
@@ -55,7 +55,7 @@ static float reflectivity(const daft_scene *scene, const daft_surface *surface, 
         const daft_vec3 t = texel_at(map, uv.x * surface->map_scale.x, uv.y * surface->map_scale.y);
         c = daft_v3(c.x * t.x, c.y * t.y, c.z * t.z);
     }
-    return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
+    return 0.2126f * c.x * through.x + 0.7152f * c.y * through.y + 0.0722f * c.z * through.z;
 }
 
 static const daft_surface *surface_of(const daft_scene *scene, daft_material material)
@@ -63,9 +63,9 @@ static const daft_surface *surface_of(const daft_scene *scene, daft_material mat
     return &scene->assets.surfaces[material.id ? daft_asset_index(material.id) : 0];
 }
 
-/* What the sensor reads of a hit; `through`: the share of the light that has come so far. */
+/* What the sensor reads of a hit; `through`: the share of the light that comes so far, and back. */
 static daft_scan_return read_hit(const scan_job *j, uint32_t ray, bool last, const daft_ray_hit *hit, daft_vec3 way,
-                                 float through)
+                                 daft_vec3 through)
 {
     const daft_scan_def *def = j->def;
     const uint32_t purpose = last ? 3 : 0;
@@ -74,26 +74,71 @@ static daft_scan_return read_hit(const scan_job *j, uint32_t ray, bool last, con
     if (!(hit->distance >= def->min_range && hit->distance <= def->max_range)) return (daft_scan_return){0};
     if (def->drop_out > 0 && uniform_of(j, ray, purpose) < (double)def->drop_out) return (daft_scan_return){0};
     if (def->range_noise > 0) range += (double)def->range_noise * normal_of(j, ray, purpose + 1);
-    const float shine = through * reflectivity(j->scene, surface_of(j->scene, hit->material), hit->uv);
+    const float shine = reflectivity(j->scene, surface_of(j->scene, hit->material), hit->uv, through);
     return (daft_scan_return){.range = range > 0 ? (float)range : 0,
                               .intensity = shine * (cosine > 0 ? cosine : 0),
                               .entity = hit->entity,
                               .triangle = hit->triangle};
 }
 
+enum { BODIES = 4 };
+
+/* The bodies that absorb, and that a ray is in: those of which it has met one side. */
+typedef struct bodies {
+    uint32_t entity[BODIES], count;
+    const daft_surface *surface[BODIES];
+} bodies;
+
+/* Into or out of the body whose surface is met. Of more than there is room for, the oldest is forgotten. */
+static void cross(bodies *in, uint32_t entity, const daft_surface *surface)
+{
+    uint32_t at = 0;
+    while (at < in->count && in->entity[at] != entity) at++;
+    const bool leaves = at < in->count;
+    if (!leaves && !daft_surface_absorbs(surface)) return;
+    if (!leaves) at = 0;
+    if (leaves || in->count == BODIES) {
+        for (in->count--; at < in->count; at++)
+            in->entity[at] = in->entity[at + 1], in->surface[at] = in->surface[at + 1];
+    }
+    if (!leaves) in->entity[in->count] = entity, in->surface[in->count++] = surface;
+}
+
+/* Where bodies overlap, the one of the highest priority is there, and of these the last. */
+static const daft_surface *inside(const bodies *in)
+{
+    const daft_surface *found = NULL;
+    for (uint32_t i = 0; i < in->count; i++)
+        if (!found || in->surface[i]->priority >= found->priority) found = in->surface[i];
+    return found;
+}
+
+/* Beer's law, there and back. */
+static daft_vec3 absorbed(daft_vec3 light, const daft_surface *medium, double length)
+{
+    for (int k = 0; k < 3 && medium; k++)
+        daft_v3_put(&light, k,
+                    daft_v3_at(light, k) *
+                        (float)daft_exp2(fmax(-2 * (double)daft_v3_at(medium->absorption, k) * length, -1000)));
+    return light;
+}
+
 /* Goes on behind surfaces that let light through, as far as there are some; `hit` is the first, and then the last. */
-static float follow(const scan_job *j, const daft_scan_line *line, daft_dvec3 way, daft_ray ray, float t,
-                    daft_ray_hit *hit)
+static daft_vec3 follow(const scan_job *j, const daft_scan_line *line, daft_dvec3 way, daft_ray ray, float t,
+                        daft_ray_hit *hit)
 {
     enum { MOST_SURFACES = 64 };
-    float through = 1;
+    daft_vec3 through = {1, 1, 1};
+    bodies in = {.count = 0};
     for (int i = 0; i < MOST_SURFACES; i++) {
         const daft_surface *surface = surface_of(j->scene, hit->material);
         daft_hit found;
         if (!(surface->transmission > 0)) break;
         ray.tmin = nextafterf(t + t * 1e-6f, INFINITY);
         if (!j->kernels->closest(j->scene->query.tlas, &ray, j->skip, &found)) break;
-        through *= surface->transmission * surface->transmission; /* there and back */
+        through = daft_mul(through, daft_mul(surface->transmittance, surface->transmittance)); /* there and back */
+        cross(&in, hit->entity.id, surface);
+        through = absorbed(through, inside(&in), (double)found.t - (double)t);
         t = found.t;
         daft_query_answer(j->scene, &found, line->origin, way, hit);
     }
@@ -119,9 +164,9 @@ static void answer(const scan_job *j, const run *r, uint32_t i)
         daft_ray_hit hit;
         const daft_vec3 way = daft_to_float(r->ways[i]);
         daft_query_answer(j->scene, &r->hits[i], r->lines[i].origin, r->ways[i], &hit);
-        first = last = read_hit(j, ray, false, &hit, way, 1);
+        first = last = read_hit(j, ray, false, &hit, way, daft_v3(1, 1, 1));
         if (j->last && surface_of(j->scene, hit.material)->transmission > 0) {
-            const float through = follow(j, &r->lines[i], r->ways[i], r->rays[i], r->hits[i].t, &hit);
+            const daft_vec3 through = follow(j, &r->lines[i], r->ways[i], r->rays[i], r->hits[i].t, &hit);
             last = read_hit(j, ray, true, &hit, way, through);
         }
     }

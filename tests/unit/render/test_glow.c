@@ -110,6 +110,18 @@ static double irradiance(const shape *s, const daft_transform *t, d3 p, int side
     return sum;
 }
 
+/* Of these sizes, and then turned within its mesh. */
+static shape askew(shape s, daft_vec3 size)
+{
+    const daft_quat q = {0.3f, 0.5f, -0.2f, 0.78740079f};
+    for (uint32_t i = 0; i < s.count; i++) {
+        const daft_vec3 c = s.corners[i];
+        const d3 v = turn(q, (d3){(double)(c.x * size.x), (double)(c.y * size.y), (double)(c.z * size.z)});
+        s.corners[i] = (daft_vec3){(float)v.x, (float)v.y, (float)v.z};
+    }
+    return s;
+}
+
 /* ---- pictures ---- */
 
 static daft_material_def white(void)
@@ -211,7 +223,7 @@ static void floors_are_lit_as_integration_says(void **unused)
     (void)unused;
     static const struct {
         const char *name;
-        int shape; /* 0: quad, 1: box, 2: ball, 3: tube */
+        int shape; /* 0: quad, 1: box, 2: ball, 3: tube; 4 to 7: these, askew in their mesh */
         daft_vec3 scale;
         daft_quat rotation;
         double height, beyond, worst, mean;
@@ -224,9 +236,16 @@ static void floors_are_lit_as_integration_says(void **unused)
         {"ball", 2, {0.5f, 0.5f, 0.5f}, {0.1f, 0.2f, 0.1f, 0.9f}, 1, 1, 0.01, 2e-3},
         {"flattened ball", 2, {1, 0.15f, 1}, {0, 0, 0, 1}, 2, 2, 0.2, 0.08},
         {"lying tube", 3, {1, 1, 1}, {0.7f, 0, 0, 0.7f}, 2, 2, 0.2, 0.1},
+        {"askew quad", 4, {1, 1, 1}, {0.3f, 0.2f, 0.1f, 0.9f}, 1, 0, 0.01, 1e-3},
+        {"askew box", 5, {1, 1, 1}, {0, 0, 0, 1}, 0.7, 0, 6e-3, 2e-3},
+        {"askew box, stretched", 5, {0.8f, 1.2f, -0.5f}, {0.3f, 0.2f, 0.1f, 0.9f}, 0.9, 0, 6e-3, 2e-3},
+        {"askew ball", 6, {0.5f, 0.5f, 0.5f}, {0.1f, 0.2f, 0.1f, 0.9f}, 1, 1, 0.01, 2e-3},
+        {"askew tube", 7, {1, 1, 1}, {0.7f, 0, 0, 0.7f}, 2, 2, 0.2, 0.1},
     };
-    static shape shapes[4];
+    static shape shapes[8];
     shapes[0] = quad(), shapes[1] = box(), shapes[2] = turned(13, ball_ring), shapes[3] = turned(4, tube_ring);
+    shapes[4] = askew(quad(), (daft_vec3){1, 1, 0.4f}), shapes[5] = askew(box(), (daft_vec3){0.6f, 0.3f, 0.4f});
+    shapes[6] = askew(shapes[2], (daft_vec3){1, 1, 1}), shapes[7] = askew(shapes[3], (daft_vec3){1, 1, 1});
     for (size_t i = 0; i < sizeof CASES / sizeof *CASES; i++) {
         stage *s = on_a_floor(2, NULL);
         const shape *of = &shapes[CASES[i].shape];

@@ -247,6 +247,75 @@ static void layers_let_light_through(void **unused)
     }
 }
 
+/* The whole card, with alphas at its corners in place of the picture's. */
+static daft_mesh fading_card(const stage *s, const float alphas[4])
+{
+    static const daft_vec3 p[4] = {{-1, 0, -1}, {-1, 0, 1}, {1, 0, 1}, {1, 0, -1}};
+    static const daft_vec2 uv[4] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+    static const uint32_t index[6] = {0, 1, 2, 0, 2, 3};
+    daft_mesh_def def = daft_default_mesh_def();
+    def.positions = p, def.uvs = uv, def.alphas = alphas, def.vertex_count = 4;
+    def.indices = index, def.triangle_count = 2;
+    const daft_mesh mesh = daft_mesh_create(s->scene, &def, NULL);
+    assert_true(mesh.id);
+    return mesh;
+}
+
+/* A picture whose alpha grows from 0 at its left edge to 1 at its right one. */
+static daft_texture ramp(const stage *s)
+{
+    enum { STEPS = 256 };
+    static uint8_t tga[18 + 4 * STEPS];
+    memset(tga, 255, sizeof tga), memset(tga, 0, 18);
+    tga[2] = 2, tga[13] = 1, tga[14] = 1, tga[16] = 32, tga[17] = 0x28;
+    for (int i = 0; i < STEPS; i++) tga[18 + 4 * i + 3] = (uint8_t)i;
+    const daft_texture texture = daft_texture_load(s->scene, write_test_file("ramp.tga", tga, sizeof tga), NULL);
+    assert_true(texture.id);
+    return texture;
+}
+
+/* What fades by its vertices casts the shadow of what fades by a picture; all vertices alike, that of a material of
+ * this opacity, byte for byte. Nothing and all of it are told by classes: no ray reads alpha. */
+static void vertices_fade_as_pictures_do(void **unused)
+{
+    (void)unused;
+    static uint8_t own[4 * PIXELS], other[4 * PIXELS], none[4 * PIXELS];
+    static const float ALPHAS[][4] = {{0, 1, 1, 0}, {0.25f, 0.25f, 0.25f, 0.25f}, {1, 1, 1, 1}, {0, 0, 0, 0}};
+    for (uint32_t mode = DAFT_ALPHA_OPAQUE; mode <= DAFT_ALPHA_BLEND; mode++)
+        for (int k = 0; k < 4; k++) {
+            uint64_t rays = 0;
+            int worst = 0, shaded = 0;
+            for (int by = 0; by < 3; by++) { /* the vertices; the material; without the card */
+                stage s = stage_new();
+                daft_material_def look = daft_default_material_def();
+                look.alpha_mode = mode;
+                if (by == 1 && k == 0) look.diffuse_map = ramp(&s), look.map_wrap = DAFT_WRAP_CLAMP;
+                if (by == 1 && k > 0 && mode != DAFT_ALPHA_OPAQUE) look.opacity = ALPHAS[k][0];
+                if (by < 2) hang(&s, fading_card(&s, by ? NULL : ALPHAS[k]), &look, 2);
+                shine(&s, DAFT_LIGHT_SUN);
+                const daft_counters *c = draw(&s, by == 0 ? own : by == 1 ? other : none);
+                if (by == 0) rays = c->alpha_rays;
+                stage_free(&s);
+            }
+            for (int i = 0; i < 4 * PIXELS; i++) {
+                worst = daft_max_i(worst, abs(own[i] - other[i]));
+                shaded += i % 4 == 0 && own[i] + 4 < none[i];
+            }
+            if (k) assert_int_equal(worst, 0);
+            if (mode == DAFT_ALPHA_MASK && k == 0) { /* but for one column of texels along the cut */
+                int wrong = 0;
+                for (int i = 0; i < PIXELS; i++) wrong += own[4 * i] != other[4 * i];
+                assert_true(wrong < PIXELS / 200);
+            } else {
+                assert_true(worst <= 2);
+            }
+            const bool whole = mode == DAFT_ALPHA_OPAQUE || k == 2,
+                       gone = !whole && (k == 3 || (mode == DAFT_ALPHA_MASK && k == 1));
+            assert_true(gone ? shaded == 0 : shaded > PIXELS / 20);
+            assert_int_equal(rays > 0, !whole && !gone);
+        }
+}
+
 /* ---- determinism ---- */
 
 /* Leaves at random among other things, under a sharp sun and a soft lamp, with ambient occlusion. */
@@ -345,7 +414,13 @@ static void classes_are_right(void **unused)
                 uvs[i] = (daft_vec2){uvs[i - i % 3].x + random_float(-reach, reach),
                                      uvs[i - i % 3].y + random_float(-reach, reach)};
         }
+        float *alphas = malloc(3 * TRIANGLES * sizeof *alphas);
+        for (uint32_t i = 0; i < 3 * TRIANGLES; i++) {
+            const uint32_t kind = random_bits() % 8; /* 0 and 1 are often those of all three corners */
+            alphas[i] = kind == 7 ? random_float(0, 1) : i % 3 ? alphas[i - 1] : (float)(kind > 1);
+        }
         m.mesh.uvs = uvs, m.mesh.uv_count = 3 * TRIANGLES;
+        m.mesh.alphas = round % 3 == 0 ? alphas : NULL;
         assert_true(daft_opacity_classify(&allocator, &m.mesh, &surface, FIXTURE_MATERIAL, &t, classes));
         for (uint32_t i = 0; i < m.mesh.triangle_count; i++) {
             int full = 0, none = 0;
@@ -355,15 +430,16 @@ static void classes_are_right(void **unused)
                 if (k < 3) a = k == 1, b = k == 2;
                 const daft_vec2 *c = &uvs[3 * i], at = {c[0].x * (1 - a - b) + c[1].x * a + c[2].x * b,
                                                         c[0].y * (1 - a - b) + c[1].y * a + c[2].y * b};
-                const float opacity = daft_surface_opacity(&surface, &t, at, DAFT_TEXTURE_TRILINEAR);
+                const float *f = &alphas[3 * i], own = m.mesh.alphas ? f[0] + (f[1] - f[0]) * a + (f[2] - f[0]) * b : 1;
+                const float opacity = daft_surface_opacity(&surface, &t, at, own, DAFT_TEXTURE_TRILINEAR);
                 full += opacity == 1, none += opacity == 0;
             }
             if (classes[i] == DAFT_OPACITY_OPAQUE) assert_int_equal(full, PLACES);
             if (classes[i] == DAFT_OPACITY_CLEAR) assert_int_equal(none, PLACES);
             count[classes[i]]++, alike += full == PLACES || none == PLACES;
         }
-        m.mesh.uvs = NULL, m.mesh.uv_count = 0;
-        free(uvs);
+        m.mesh.uvs = NULL, m.mesh.uv_count = 0, m.mesh.alphas = NULL;
+        free(uvs), free(alphas);
         daft_texture_free(&allocator, &t);
         mesh_drop(&m);
     }
@@ -390,15 +466,19 @@ static void rays_read_what_is_drawn(void **unused)
                                 .cutoff = round % 2 ? 0.5f : 0,
                                 .alpha_channel = round % 5 ? 3 : (uint32_t)round / 5 % 3};
         const daft_texture_filter filter = round % 7 ? DAFT_TEXTURE_TRILINEAR : DAFT_TEXTURE_NEAREST;
+        static float own[DAFT_BATCH_ROOM];
+        const bool fades = round % 3 == 1;
         for (int i = 0; i < DAFT_MAPS; i++) surface.maps[i] = i == DAFT_MAP_ALPHA ? 0 : DAFT_NO_TEXTURE;
-        b->count = 500, b->traits = daft_surface_traits(&surface);
+        b->count = 500, b->traits = daft_surface_traits(&surface) | (fades ? DAFT_TRAIT_FADES : 0);
+        for (uint32_t i = 0; i < b->count; i++) own[i] = fades ? random_float(0, 1) : 1;
         for (uint32_t i = 0; i < b->count; i++)
             b->u[i] = random_float(-4, 4), b->v[i] = random_float(-4, 4), b->footprint[i] = 1e-6f;
         for (int isa = 0; isa <= daft_isa_best(); isa++) {
             const daft_vary_def def = {.lets_through = true};
+            memcpy(b->varying->opacity, own, sizeof own);
             daft_shade_kernels_for(isa)->vary(b, &surface, &t, filter, &def);
             for (uint32_t i = 0; i < b->count; i++) {
-                const float one = daft_surface_opacity(&surface, &t, (daft_vec2){b->u[i], b->v[i]}, filter);
+                const float one = daft_surface_opacity(&surface, &t, (daft_vec2){b->u[i], b->v[i]}, own[i], filter);
                 if (one != b->varying->opacity[i])
                     fail_msg("%a at %a, %a; drawn is %a", (double)one, (double)b->u[i], (double)b->v[i],
                              (double)b->varying->opacity[i]);
@@ -616,15 +696,11 @@ static void all_hits_are_found(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(leaves_shade_as_cut_geometry),
-        cmocka_unit_test(a_mask_without_holes_is_none),
-        cmocka_unit_test(layers_let_light_through),
-        cmocka_unit_test(the_same_bytes_everywhere),
-        cmocka_unit_test(classes_are_right),
-        cmocka_unit_test(classes_spare_reads_alone),
-        cmocka_unit_test(rays_read_what_is_drawn),
-        cmocka_unit_test(classes_follow_materials),
-        cmocka_unit_test(kept_pictures_follow_leaves),
+        cmocka_unit_test(leaves_shade_as_cut_geometry), cmocka_unit_test(a_mask_without_holes_is_none),
+        cmocka_unit_test(layers_let_light_through),     cmocka_unit_test(vertices_fade_as_pictures_do),
+        cmocka_unit_test(the_same_bytes_everywhere),    cmocka_unit_test(classes_are_right),
+        cmocka_unit_test(classes_spare_reads_alone),    cmocka_unit_test(rays_read_what_is_drawn),
+        cmocka_unit_test(classes_follow_materials),     cmocka_unit_test(kept_pictures_follow_leaves),
         cmocka_unit_test(all_hits_are_found),
     };
     return cmocka_run_group_tests(tests, make_test_folder, remove_test_folder);

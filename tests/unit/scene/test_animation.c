@@ -585,6 +585,75 @@ static void a_models_own_clips_play(void **state)
     }
 }
 
+/* ---- light ---- */
+
+static daft_material glowing(daft_scene *scene)
+{
+    daft_material_def def = daft_default_material_def();
+    def.emission = daft_v3(3, 2, 1);
+    const daft_material material = daft_material_create(scene, &def, NULL);
+    assert_true(material.id);
+    return material;
+}
+
+/* As it is seen in the last picture, standing still. */
+static daft_entity stand_still(daft_scene *scene, daft_entity entity, daft_material material)
+{
+    const daft_trimesh *m = &daft_animated_shown(scene->entities[daft_handle_index(entity.id)].animated, false)->mesh;
+    daft_vec3 positions[200];
+    assert_true(m->vertex_count <= DAFT_COUNT_OF(positions));
+    for (uint32_t i = 0; i < m->vertex_count; i++) positions[i] = daft_v3(m->x[i], m->y[i], m->z[i]);
+    daft_mesh_def mesh = daft_default_mesh_def();
+    mesh.positions = positions, mesh.vertex_count = m->vertex_count;
+    mesh.indices = m->indices, mesh.triangle_count = m->triangle_count;
+    daft_entity_def def = daft_default_entity_def();
+    def.shape = DAFT_SHAPE_MESH, def.mesh = daft_mesh_create(scene, &mesh, NULL), def.lights = true;
+    def.material = material;
+    const daft_entity still = daft_entity_create(scene, &def, NULL);
+    assert_true(still.id);
+    return still;
+}
+
+static uint32_t lights_of(daft_scene *scene, daft_entity entity, daft_light_source out[DAFT_GLOW_LIGHTS])
+{
+    uint32_t count;
+    assert_true(daft_glow_lights(scene, daft_handle_index(entity.id), 1, daft_dv3(0, 0, 0), out, &count, NULL));
+    for (uint32_t i = 0; i < count; i++) out[i].entity = 0;
+    return count;
+}
+
+/* What plays and glows lights as what stands as it does just then, also where it is out of sight itself. */
+static void light_follows_the_pose(void **state)
+{
+    fixture *f = *state;
+    daft_error error;
+    daft_image *image = daft_image_create(f->engine, 32, 32, NULL);
+    daft_view view = daft_default_view();
+    view.camera = daft_camera_look_at(daft_dv3(0, 1, 9), daft_dv3(0, 1, 20), 1);
+    const daft_material material = glowing(f->scene);
+    daft_entity_def def = daft_default_entity_def();
+    def.shape = DAFT_SHAPE_MESH, def.mesh = load_bar(f->scene), def.material = material, def.lights = true;
+    const daft_entity entity = daft_entity_create(f->scene, &def, &error);
+    if (!entity.id) fail_msg("%s", error.message);
+    daft_vec3 before = {-9, -9, -9};
+    for (int i = 0; i < 5; i++) {
+        daft_light_source own[DAFT_GLOW_LIGHTS], other[DAFT_GLOW_LIGHTS];
+        assert_true(daft_entity_stop(f->scene, entity, NULL));
+        play(f->scene, entity, 0, 0.2f * (float)i, 0, false);
+        if (!daft_render(f->scene, &view, image, &error)) fail_msg("%s", error.message);
+        assert_int_equal(daft_scene_counters(f->scene)->poses, i + 1);
+        const daft_entity still = stand_still(f->scene, entity, material);
+        const uint32_t count = lights_of(f->scene, entity, own);
+        assert_true(count > 0);
+        assert_int_equal(lights_of(f->scene, still, other), count);
+        assert_memory_equal(own, other, count * sizeof *own);
+        assert_true(daft_length(daft_sub(own[0].position, before)) > 0.02f);
+        before = own[0].position;
+        assert_true(daft_entity_destroy(f->scene, still, NULL));
+    }
+    daft_image_destroy(image);
+}
+
 int main(void)
 {
     if (!READS_BY_LIBRARY) return 77;
@@ -604,6 +673,7 @@ int main(void)
         WITH_FOLDER(wrong_calls_are_told),
         WITH_FOLDER(scene_files_name_a_clip),
         WITH_FOLDER(a_models_own_clips_play),
+        WITH_FOLDER(light_follows_the_pose),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -380,6 +380,65 @@ static void occlusion_by_other_coordinates_is_told(void **state)
     assert_int_equal(f->scene->assets.surfaces[1].traits & DAFT_TRAIT_OCCLUSION, 0);
 }
 
+/* ---- normals ---- */
+
+/* One texel that leans to the right: the slope of what it is of. */
+static double put_leaning(void)
+{
+    static const uint8_t texel[4] = {204, 128, 230, 255};
+    put_picture("map.tga", 1, 1, texel);
+    return (2 * 230 / 255.0 - 1) / (2 * 204 / 255.0 - 1);
+}
+
+/* -bm of `norm` multiplies slopes: against the cosine to the sun. What no material may have is the most it may. */
+static void slopes_of_mtl_files(void **state)
+{
+    fixture *f = *state;
+    static const struct {
+        const char *text;
+        double value;
+    } cases[] = {{"norm map.tga\n", 1}, {"norm -bm 0.5 map.tga\n", 0.5}, {"norm -bm -0.4 map.tga\n", -0.4}};
+    uint8_t seen[4 * SIDE * SIDE], flat[4 * SIDE * SIDE];
+    put_square();
+    const double slope = put_leaning();
+    draw_phong(f, "without.mtl", "", BY_SUN, flat);
+    for (size_t i = 0; i < DAFT_COUNT_OF(cases); i++) {
+        draw_phong(f, "with.mtl", cases[i].text, BY_SUN, seen);
+        const double x = slope * cases[i].value, part = (1 - 0.3 * x) / sqrt(1 + x * x); /* the sun's way: see add_sun
+                                                                                          */
+        double want[3];
+        const int middle = SIDE / 2;
+        for (int k = 0; k < 3; k++) want[k] = linear_of(flat[4 * (middle * SIDE + middle) + k]) * part;
+        compare_pixel(seen, middle, middle, want, 1.5);
+    }
+    draw_phong(f, "with.mtl", "norm -bm 1e6 map.tga\nbump -bm -1e9 map.tga\n", BY_SUN, seen);
+    for (uint32_t i = 1; i < f->scene->assets.material_slots.count; i++) {
+        const daft_material_def *def = &f->scene->assets.materials[i];
+        if (def->bump_map.id) assert_true(def->normal_strength == 100 && def->bump_strength == -1000);
+    }
+}
+
+/* glTF's normalTexture.scale is the material's normal_strength. */
+static void slopes_of_gltf_files(void **state)
+{
+    fixture *f = *state;
+    uint8_t seen[4 * SIDE * SIDE], other[4 * SIDE * SIDE], plain[4 * SIDE * SIDE];
+    put_square(), put_leaning();
+    draw_square(f, "\"normalTexture\":{\"index\":0}," WHITE, plain);
+    assert_true(f->scene->assets.materials[1].normal_strength == 1);
+    draw_square(f, "\"normalTexture\":{\"index\":0,\"scale\":0.25}," WHITE, seen);
+    assert_true(f->scene->assets.materials[1].normal_strength == 0.25f);
+    draw_square(f, "\"normalTexture\":{\"index\":0}," WHITE, other);
+    const daft_material material = {daft_asset_id(&f->scene->assets.material_slots, 1)};
+    daft_material_def def;
+    assert_true(daft_material_get(f->scene, material, &def, NULL));
+    def.normal_strength = 0.25f;
+    assert_true(daft_material_set(f->scene, material, &def, NULL));
+    draw(f, DAFT_TEXTURE_NEAREST, 0, other);
+    assert_memory_equal(seen, other, sizeof seen);
+    assert_true(memcmp(seen, plain, sizeof seen) != 0);
+}
+
 /* ---- colours of vertices ---- */
 
 enum { QUADS = 2, CORNERS = 4 * QUADS };
@@ -388,7 +447,7 @@ enum { QUADS = 2, CORNERS = 4 * QUADS };
 static const char *const TWO_SQUARES =
     "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],"
     "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1%s},\"indices\":2,\"material\":0}]}],"
-    "\"materials\":[{\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"baseColorFactor\":[%s,1]}}],"
+    "\"materials\":[{\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"baseColorFactor\":[%s,1]}%s}],"
     "\"buffers\":[{\"byteLength\":344,\"uri\":\"squares.bin\"}],\"bufferViews\":["
     "{\"buffer\":0,\"byteLength\":96},{\"buffer\":0,\"byteOffset\":96,\"byteLength\":96},"
     "{\"buffer\":0,\"byteOffset\":192,\"byteLength\":24},"
@@ -400,6 +459,7 @@ static const char *const TWO_SQUARES =
 
 /* By square, at its lower and its upper edge; linear, and of a whole number of 255ths. */
 static const int COLORS[QUADS][2][3] = {{{51, 0, 0}, {255, 0, 0}}, {{0, 51, 204}, {0, 255, 102}}};
+static const int ALPHAS[QUADS][2] = {{0, 255}, {204, 51}};
 static const float SQUARE_X[2] = {0, 1}, SQUARE_Y[4] = {-1, -1, 1, 1};
 
 static bool is_right(int corner) { return corner % 4 == 1 || corner % 4 == 2; }
@@ -408,13 +468,14 @@ static bool is_upper(int corner) { return corner % 4 >= 2; }
 typedef struct color_format {
     int component; /* glTF's number of it */
     const char *type;
-    size_t size; /* of one color, with what follows up to the next */
+    size_t size;      /* of one color, with what follows up to the next */
+    const char *mode; /* what of the material says so; NULL: all of it is there, and all vertices have alpha 1 */
 } color_format;
 
-static void put_color(const color_format *format, const int color[3], uint8_t *out)
+static void put_color(const color_format *format, const int color[3], int alpha, uint8_t *out)
 {
     for (int k = 0; k < 4; k++) {
-        const int value = k < 3 ? color[k] : 255;
+        const int value = k < 3 ? color[k] : format->mode ? alpha : 255;
         const float number = (float)value / 255;
         const uint16_t word = (uint16_t)(257 * value);
         if (k == 3 && strcmp(format->type, "VEC3") == 0) break;
@@ -431,7 +492,8 @@ static void put_squares(const color_format *format)
     for (int i = 0; i < CORNERS; i++) {
         const float p[3] = {SQUARE_X[is_right(i)] - (i < 4), SQUARE_Y[i % 4], 0}, n[3] = {0, 0, 1};
         memcpy(bytes + 12 * i, p, 12), memcpy(bytes + 96 + 12 * i, n, 12);
-        put_color(format, COLORS[i / 4][is_upper(i)], bytes + 216 + format->size * (size_t)i);
+        put_color(format, COLORS[i / 4][is_upper(i)], ALPHAS[i / 4][is_upper(i)],
+                  bytes + 216 + format->size * (size_t)i);
     }
     for (int i = 0; i < 6 * QUADS; i++) {
         const uint16_t index = (uint16_t)(4 * (i / 6) + order[i % 6]);
@@ -444,8 +506,8 @@ static daft_mesh load_squares(fixture *f, const color_format *format, const char
 {
     static int count;
     char text[4000], name[32];
-    snprintf(text, sizeof text, TWO_SQUARES, attribute, base, format->size, format->component, format->type,
-             format->component == 5126 ? "" : ",\"normalized\":true");
+    snprintf(text, sizeof text, TWO_SQUARES, attribute, base, format->mode ? format->mode : "", format->size,
+             format->component, format->type, format->component == 5126 ? "" : ",\"normalized\":true");
     snprintf(name, sizeof name, "squares%d.gltf", count++);
     put_squares(format);
     return load_alone(f, name, text);
@@ -455,6 +517,7 @@ static void draw_squares(fixture *f, const color_format *format, const char *att
 {
     show(f->scene, load_squares(f, format, attribute, base), (daft_material){0});
     daft_scene_set_ambient(f->scene, daft_v3(0.9f, 0.9f, 0.9f));
+    daft_scene_set_sky_color(f->scene, daft_v3(0.1f, 0.3f, 0.8f));
     draw(f, DAFT_TEXTURE_BILINEAR, 0, out);
     assert_int_equal(f->warnings, 0);
 }
@@ -464,8 +527,8 @@ static void draw_squares(fixture *f, const color_format *format, const char *att
 static void colors_of_vertices_multiply_the_base_color(void **state)
 {
     fixture *f = *state;
-    static const color_format formats[] = {{5126, "VEC3", 12}, {5126, "VEC4", 16}, {5121, "VEC4", 4},
-                                           {5121, "VEC3", 4},  {5123, "VEC4", 8},  {5123, "VEC3", 8}};
+    static const color_format formats[] = {{5126, "VEC3", 12, NULL}, {5126, "VEC4", 16, NULL}, {5121, "VEC4", 4, NULL},
+                                           {5121, "VEC3", 4, NULL},  {5123, "VEC4", 8, NULL},  {5123, "VEC3", 8, NULL}};
     static const double FACTOR[3] = {0.5, 0.8, 1};
     static const char COLOR[] = ",\"COLOR_0\":3";
     uint8_t seen[4 * SIDE * SIDE], black[4 * SIDE * SIDE], white[4 * SIDE * SIDE];
@@ -491,11 +554,41 @@ static void colors_of_vertices_multiply_the_base_color(void **state)
     }
 }
 
+/* glTF 2.0, 3.7.2.1 and 3.9.4: COLOR_0's alpha times the base colour's is what alphaMode asks. */
+static void alpha_of_vertices_blends_and_masks(void **state)
+{
+    fixture *f = *state;
+    static const char *const MODES[3] = {",\"alphaMode\":\"BLEND\"", ",\"alphaMode\":\"MASK\",\"alphaCutoff\":0.5",
+                                         ",\"alphaMode\":\"OPAQUE\""};
+    static const color_format plain = {5126, "VEC4", 16, NULL};
+    static const double SKY[3] = {0.1, 0.3, 0.8};
+    static const char COLOR[] = ",\"COLOR_0\":3";
+    uint8_t seen[4 * SIDE * SIDE], whole[4 * SIDE * SIDE];
+    draw_squares(f, &plain, COLOR, "1,1,1", whole);
+    for (int i = 0; i < 9; i++) {
+        const color_format format = {(const int[]){5126, 5121, 5123}[i % 3], "VEC4", (const size_t[]){16, 4, 8}[i % 3],
+                                     MODES[i / 3]};
+        draw_squares(f, &format, COLOR, "1,1,1", seen);
+        for (int y = SIDE / 4; y < 3 * SIDE / 4; y++)
+            for (int x = SIDE / 4; x < 3 * SIDE / 4; x++) {
+                const double up = (1 - place_of(y)) / 2;
+                const int *edge = ALPHAS[x >= SIDE / 2];
+                double a = (edge[0] + (edge[1] - edge[0]) * up) / 255, want[3];
+                if (i / 3 == 1) a = a >= 0.5;
+                if (i / 3 == 2) a = 1;
+                for (int k = 0; k < 3; k++) want[k] = linear_of(whole[4 * (y * SIDE + x) + k]) * a + SKY[k] * (1 - a);
+                compare_pixel(seen, x, y, want, 1.5);
+            }
+        const daft_trimesh *m = &f->scene->assets.meshes[0]->mesh;
+        assert_true(m->vertex_count == 6 && m->colors && m->alphas);
+    }
+}
+
 /* White vertices and none are the same: no point of the mesh has a colour of its own. */
 static void white_vertices_cost_nothing(void **state)
 {
     fixture *f = *state;
-    static const color_format plain = {5126, "VEC3", 12};
+    static const color_format plain = {5126, "VEC3", 12, NULL};
     load_squares(f, &plain, "", "1,1,1");
     assert_null(f->scene->assets.meshes[0]->mesh.colors);
     load_alone(f, "white.ply",
@@ -524,6 +617,50 @@ static void colors_of_other_formats_are_srgb(void **state)
     daft_scene_set_ambient(f->scene, daft_v3(1, 1, 1));
     draw(f, DAFT_TEXTURE_BILINEAR, 0, seen);
     compare_pixel(seen, SIDE / 2, SIDE / 2, (double[3]){linear_of(200), linear_of(100), linear_of(25)}, 1);
+}
+
+/* OBJ has a colour and an alpha behind the place. Its own materials are opaque; others may blend. */
+static void alpha_of_obj_files(void **state)
+{
+    fixture *f = *state;
+    uint8_t seen[4 * SIDE * SIDE];
+    const daft_mesh mesh = load_alone(f, "fading.obj",
+                                      "v -1 -1 0 1 1 1 0.25\nv 1 -1 0 1 1 1 0.25\nv 1 1 0 1 1 1 0.25\n"
+                                      "v -1 1 0 1 1 1 0.25\nv 0 0 5\nv 0 0 6 1 0 0\nf 1 2 3\nf 1 3 4\n");
+    const daft_trimesh *m = &f->scene->assets.meshes[0]->mesh;
+    assert_true(m->color_count == 6 && m->alphas && m->alphas[0] == 0.25f && m->alphas[4] == 1 && m->alphas[5] == 1);
+    daft_material_def look = daft_default_material_def();
+    look.diffuse = look.ambient = daft_v3(1, 1, 1), look.specular = daft_v3(0, 0, 0);
+    daft_scene_set_ambient(f->scene, daft_v3(1, 1, 1)), daft_scene_set_sky_color(f->scene, daft_v3(0, 0, 0));
+    const daft_entity entity = show(f->scene, mesh, daft_material_create(f->scene, &look, NULL));
+    draw(f, DAFT_TEXTURE_BILINEAR, 0, seen);
+    compare_pixel(seen, SIDE / 2, SIDE / 2, (double[3]){1, 1, 1}, 1);
+    look.alpha_mode = DAFT_ALPHA_BLEND, look.opacity = 0.5f;
+    assert_true(daft_entity_destroy(f->scene, entity, NULL));
+    show(f->scene, mesh, daft_material_create(f->scene, &look, NULL));
+    draw(f, DAFT_TEXTURE_BILINEAR, 0, seen);
+    compare_pixel(seen, SIDE / 2, SIDE / 2, (double[3]){0.125, 0.125, 0.125}, 1);
+}
+
+/* A material that blends by nothing blends as soon as some mesh has vertices that fade. */
+static void materials_fade_when_meshes_come(void **state)
+{
+    fixture *f = *state;
+    daft_material_def look = daft_default_material_def();
+    look.alpha_mode = DAFT_ALPHA_BLEND;
+    const daft_material material = daft_material_create(f->scene, &look, NULL);
+    const uint32_t *traits = &f->scene->assets.surfaces[daft_asset_index(material.id)].traits;
+    assert_int_equal(*traits & DAFT_TRAIT_BLEND, 0);
+    const daft_vec3 positions[3] = {{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}};
+    const float alphas[3] = {1, 2, NAN};
+    const uint32_t indices[3] = {0, 1, 2};
+    daft_mesh_def def = daft_default_mesh_def();
+    def.positions = positions, def.alphas = alphas, def.vertex_count = 3;
+    def.indices = indices, def.triangle_count = 1;
+    assert_true(daft_mesh_create(f->scene, &def, NULL).id);
+    assert_int_equal(f->scene->assets.surfaces[daft_asset_index(material.id)].traits & DAFT_TRAIT_BLEND,
+                     DAFT_TRAIT_BLEND);
+    for (int i = 0; i < 3; i++) assert_true(f->scene->assets.meshes[0]->mesh.alphas[i] == 1);
 }
 
 /* ---- refl ---- */
@@ -694,9 +831,14 @@ int main(void)
         WITH_FOLDER(occlusion_dims_ambient_light_alone),
         WITH_FOLDER(occlusion_of_mtl_files),
         WITH_FOLDER(occlusion_by_other_coordinates_is_told),
+        WITH_FOLDER(slopes_of_mtl_files),
+        WITH_FOLDER(slopes_of_gltf_files),
         WITH_FOLDER(colors_of_vertices_multiply_the_base_color),
+        WITH_FOLDER(alpha_of_vertices_blends_and_masks),
         WITH_FOLDER(white_vertices_cost_nothing),
         WITH_FOLDER(colors_of_other_formats_are_srgb),
+        WITH_FOLDER(alpha_of_obj_files),
+        WITH_FOLDER(materials_fade_when_meshes_come),
         WITH_FOLDER(a_reflection_map_is_mirrored_as_a_sky),
         WITH_FOLDER(a_cube_is_mirrored_as_a_sky),
         WITH_FOLDER(mtllib_is_beside_the_file_and_then_in_the_roots),

@@ -176,6 +176,48 @@ static void glass_is_the_first_return_and_the_wall_the_last(void **state)
     free(first);
 }
 
+static daft_material liquid(daft_scene *scene, daft_vec3 tint, float distance, int priority)
+{
+    daft_material_def def = daft_default_material_def();
+    def.transmission = 1, def.transmission_tint = tint, def.tint_distance = distance, def.medium_priority = priority;
+    return daft_material_create(scene, &def, NULL);
+}
+
+static double luminance(const double c[3]) { return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]; }
+
+/* What bodies take of the light by the length of the way within, there and back (Beer's law); where two overlap, the
+ * one of the higher priority alone; panes with a tint at each surface. */
+static void bodies_absorb_by_length(void **state)
+{
+    fixture *f = *state;
+    static const daft_vec3 RED = {0.9f, 0.3f, 0.2f}, BLUE = {0.2f, 0.6f, 0.95f}, GREEN = {0.4f, 0.8f, 0.5f};
+    const daft_vec3 ways[3] = {{1, 0, 0}, {0, 0, 1}, {-1, 0, 0}};
+    const daft_material white = material_of(f->scene, 1, 0);
+    make_box(f->scene, daft_dv3(6.5, 0, 0), daft_v3(1, 9, 9), white);
+    make_box(f->scene, daft_dv3(0, 0, 6.5), daft_v3(9, 9, 1), white);
+    make_box(f->scene, daft_dv3(-6.5, 0, 0), daft_v3(1, 9, 9), white);
+    make_box(f->scene, daft_dv3(3, 0, 0), daft_v3(2, 1, 1), liquid(f->scene, RED, 1.5f, 1));  /* from 2 to 4 */
+    make_box(f->scene, daft_dv3(4, 0, 0), daft_v3(2, 1, 1), liquid(f->scene, BLUE, 2.5f, 2)); /* from 3 to 5 */
+    make_box(f->scene, daft_dv3(0, 0, 3.5), daft_v3(1, 1, 3), liquid(f->scene, RED, 1.5f, 0));
+    make_box(f->scene, daft_dv3(-3, 0, 0), daft_v3(0.01f, 1, 1), liquid(f->scene, GREEN, 0, 0));
+    daft_scan_def def = daft_default_scan_def();
+    daft_scan_return *last;
+    def.pattern = DAFT_SCAN_RAYS, def.rays = ways, def.ray_count = 3;
+    daft_scan_return *first = scan(f->scene, &def, &last);
+    double want[3][3];
+    for (int k = 0; k < 3; k++) {
+        const double red = (double)daft_v3_at(RED, k), blue = (double)daft_v3_at(BLUE, k);
+        want[0][k] = pow(red, 2 * 1 / 1.5) * pow(blue, 2 * 2 / 2.5), want[1][k] = pow(red, 2 * 3 / 1.5);
+        want[2][k] = pow((double)daft_v3_at(GREEN, k), 4);
+    }
+    for (int i = 0; i < 3; i++) {
+        assert_true(fabsf(last[i].range - 6) < 1e-5f && first[i].range < 4);
+        if (fabs((double)last[i].intensity - luminance(want[i])) > 1e-5)
+            fail_msg("ray %d: %g, not %g", i, (double)last[i].intensity, luminance(want[i]));
+    }
+    free(first), free(last);
+}
+
 static void errors_are_as_large_as_asked_for_and_seeded(void **state)
 {
     fixture *f = *state;
@@ -234,6 +276,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_moving_sensor_sees_from_where_it_is, set_up, tear_down),
         cmocka_unit_test_setup_teardown(threads_change_nothing, set_up, tear_down),
         cmocka_unit_test_setup_teardown(glass_is_the_first_return_and_the_wall_the_last, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(bodies_absorb_by_length, set_up, tear_down),
         cmocka_unit_test_setup_teardown(errors_are_as_large_as_asked_for_and_seeded, set_up, tear_down),
         cmocka_unit_test_setup_teardown(bad_definitions_are_refused, set_up, tear_down),
     };
