@@ -146,7 +146,8 @@ static void fetch_group(const daft_snapshot *snapshot, daft_facets *f, uint32_t 
 typedef struct group {
     vf3 corner[3], normal[3], outward;
     vf area, height, min, max;
-    vbits smooth;
+    vbits smooth, inner; /* inner: the rays see its inner side */
+    vbits mirrored;      /* to_frame mirrors */
 } group;
 
 static void move_group(const stage *from, group *g)
@@ -156,6 +157,8 @@ static void move_group(const stage *from, group *g)
     vf m[24], *inverse = m + 12;
     for (int k = 0; k < 24 && from->one_instance; k++) m[k] = vf_set(from->maps[0][k]);
     for (int k = 0; k < 24 && !from->one_instance; k += 4) vf_gather_rows4(from->maps, k, m + k);
+    const vf3 rows[3] = {{m[0], m[1], m[2]}, {m[3], m[4], m[5]}, {m[6], m[7], m[8]}};
+    g->mirrored = vbits_from_mask(vf_lt(vf3_dot(rows[0], cross3(rows[1], rows[2])), vf_set(0)));
     for (int k = 0; k < 3; k++) { /* as daft_affine_point, daft_affine_transposed and daft_normalize */
         vf3 p = {vf_load(from->corner[3 * k]), vf_load(from->corner[3 * k + 1]), vf_load(from->corner[3 * k + 2])};
         vf3 n = {vf_load(from->normal[3 * k]), vf_load(from->normal[3 * k + 1]), vf_load(from->normal[3 * k + 2])};
@@ -209,7 +212,9 @@ DAFT_INLINE vf3 flip3(vf3 a, vm m)
     return (vf3){vf_xor(a.x, sign), vf_xor(a.y, sign), vf_xor(a.z, sign)};
 }
 
-/* Turns the plane to the normals' side, finds whether they differ, then turns all of it to the viewer's. */
+/* Turns the plane to the normals' side, finds whether they differ, then turns all of it to the viewer's. The outer side
+ * is the normals' or, without any, that from which the corners run counter-clockwise: where to_frame mirrors, the frame
+ * sees them the other way round. */
 DAFT_INLINE void group_sides(group *g, vf3 origin, vbits with_normals)
 {
     vf zero = vf_set(0);
@@ -224,6 +229,7 @@ DAFT_INLINE void group_sides(group *g, vf3 origin, vbits with_normals)
         height[half] = vd3_dot(half3(g->outward, half), vd3_sub(half3(g->corner[0], half), half3(origin, half)));
     g->height = vf_demote2(height[0], height[1]);
     vm behind = vf_lt(zero, g->height);
+    g->inner = vbits_from_mask(behind) ^ (g->mirrored & ~with_normals);
     g->outward = flip3(g->outward, behind);
     g->height = vf_if_then_else(behind, -g->height, g->height);
     for (int k = 0; k < 3; k++) g->normal[k] = flip3(g->normal[k], behind);
@@ -266,6 +272,7 @@ static void store_group(const group *g, const stage *from, float *rows)
     put3(v, FACET_OUTWARD, g->outward);
     v[FACET_HEIGHT] = g->height, v[FACET_LEAST] = g->min, v[FACET_MOST] = g->max, v[FACET_SIZE] = vf_load(from->size);
     vi word = vi_load(from->word);
+    word = vi_if_then_else(vm_from_bits(g->inner), word | vi_set(FACET_INNER), word);
     v[FACET_WORD] = (vf)vi_if_then_else(vm_from_bits(g->smooth), word | vi_set(FACET_SMOOTH), word);
     vbits lanes = ~from->spheres & DAFT_ALL_LANES;
     store_eight(rows, v, lanes);

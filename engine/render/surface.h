@@ -30,13 +30,18 @@ enum {
 #define FACET_SMOOTH     ((int32_t)0x80000000) /* its normals differ: the sign bit */
 #define FACET_SPHERE     ((int32_t)0x40000000)
 #define FACET_COLORED    ((int32_t)0x20000000) /* its corners have colours */
-#define FACET_MATERIAL   0x1fffffff
+#define FACET_INNER      ((int32_t)0x10000000) /* a triangle whose inner side the rays see */
+#define FACET_MATERIAL   0x0fffffff
 #define FACET_COLOR_MOST 1023.0f /* a word has the square roots of red, green and blue, ten bits each */
 
 DAFT_INLINE vf3 set3(daft_vec3 a) { return (vf3){vf_set(a.x), vf_set(a.y), vf_set(a.z)}; }
 DAFT_INLINE vf3 add3(vf3 a, vf3 b) { return (vf3){a.x + b.x, a.y + b.y, a.z + b.z}; }
 DAFT_INLINE vf3 sub3(vf3 a, vf3 b) { return (vf3){a.x - b.x, a.y - b.y, a.z - b.z}; }
 DAFT_INLINE vf3 scale3(vf3 a, vf s) { return (vf3){a.x * s, a.y * s, a.z * s}; }
+DAFT_INLINE vf3 cross3(vf3 a, vf3 b)
+{
+    return (vf3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
 DAFT_INLINE vf3 select3(vm m, vf3 a, vf3 b)
 {
     return (vf3){vf_if_then_else(m, a.x, b.x), vf_if_then_else(m, a.y, b.y), vf_if_then_else(m, a.z, b.z)};

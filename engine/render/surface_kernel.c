@@ -20,7 +20,7 @@ enum {
     WANT_SHADOW = 1,  /* the shadow origin and the facet's normal */
     WANT_VIEW = 2,    /* the direction to the viewer */
     WANT_TEXTURE = 4, /* uv and the footprint */
-    WANT_PATH = 8,    /* what rays that go on need: weight, reach, spawn error */
+    WANT_PATH = 8,    /* what rays that go on need: weight, reach, spawn error, which side is seen */
     WANT_DISTANCE = 16,
     WANT_COLOR = 32,  /* the vertices' colour */
     WANT_TANGENT = 64 /* where u and v grow */
@@ -199,8 +199,10 @@ DAFT_INLINE void meet_spheres(const window *r, sort s, uint32_t wants, meeting *
                      scale3(row[2], -local.z * local.y));
         }
     }
-    vf side = vf_if_then_else(vf_lt(vf_set(0), vf3_dot(normal, d)), vf_set(-1), vf_set(1));
+    const vm inner = vf_lt(vf_set(0), vf3_dot(normal, d));
+    const vf side = vf_if_then_else(inner, vf_set(-1), vf_set(1));
     m->normal = m->outward = scale3(normal, side);
+    m->word = vi_if_then_else(inner, m->word | vi_set(FACET_INNER), m->word);
 }
 
 DAFT_INLINE void take_spheres(const window *r, sort s, vbits spheres, uint32_t wants, meeting *m)
@@ -208,6 +210,7 @@ DAFT_INLINE void take_spheres(const window *r, sort s, vbits spheres, uint32_t w
     meeting b = *m;
     vm which = vm_from_bits(spheres);
     meet_spheres(r, s, wants, &b);
+    m->word = vi_if_then_else(which, b.word, m->word);
     m->point = select3(which, b.point, m->point), m->shadow_origin = select3(which, b.shadow_origin, m->shadow_origin);
     m->normal = select3(which, b.normal, m->normal), m->outward = select3(which, b.outward, m->outward);
     m->size = vf_if_then_else(which, b.size, m->size), m->density = vf_if_then_else(which, b.density, m->density);
@@ -287,7 +290,9 @@ DAFT_INLINE void store_meeting(const meeting *m, vf3 direction, vf3 normal, vf r
     if (wants & WANT_COLOR) store3(&b->albedo, at, m->color);
     if (wants & WANT_TANGENT)
         store3(&b->varying->tangent, at, m->tangent), store3(&b->varying->bitangent, at, m->bitangent);
-    if (wants & WANT_PATH) vf_store(&b->extent[at], m->size);
+    if (!(wants & WANT_PATH)) return;
+    vf_store(&b->extent[at], m->size);
+    vi_store(&b->inner[at], (m->word >> __builtin_ctz(FACET_INNER)) & vi_set(1));
 }
 
 /* ---- footprints ---- */
@@ -329,11 +334,6 @@ DAFT_INLINE vf3 onto_surface(vf3 a, vf3 outward, vf3 unit)
 typedef struct gradients {
     vf3 u, v;
 } gradients;
-
-DAFT_INLINE vf3 cross3(vf3 a, vf3 b)
-{
-    return (vf3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
 
 DAFT_INLINE gradients facet_gradients(const window *r, sort s, vf3 outward)
 {

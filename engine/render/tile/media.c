@@ -175,8 +175,7 @@ static void cross(const tile_job *j, daft_batch *b, uint32_t i)
     daft_crossings *c = b->media;
     c->eta[i] = 1;
     if (!(s->materials[material].transmission > 0)) return;
-    const bool out =
-        daft_seen_from_inside(&s->instances[b->instance[i]], b->triangle[i], lane(&b->point, i), lane(&b->outward, i));
+    const bool out = b->inner[i];
     if (out) daft_media_learn(&c->from[i], material);
     c->beyond[i] = c->from[i];
     daft_media_pass(&c->beyond[i], s->materials, material, out);
