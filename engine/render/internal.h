@@ -19,6 +19,7 @@ typedef struct daft_plan {
     bool glossy;                                 /* some material that mirrors or transmits is rough */
     bool colors, varies, tangents, blends;       /* of what is in the frame: see DAFT_TRAIT_… */
     int through_depth;                           /* surfaces that a path which passes through some may meet */
+    int through_lists;                           /* of rays that wait, for each: see daft_scratch.refracted */
     bool tints, may_refract;                     /* some of these shadows let light through; some material transmits */
     bool filters;                                /* some of what keeps light away has alpha */
     bool media, absorbs;                         /* some material has a priority or absorbs; or the latter alone */
@@ -77,12 +78,14 @@ typedef struct daft_scratch {
     daft_lanes3 color;              /* of the tile's pixels: row · DAFT_TILE + column */
     uint32_t candidates[DAFT_MAX_OCCLUDERS];
     uint32_t lit[DAFT_SAMPLES_WORDS], under[DAFT_SAMPLES_WORDS];
-    daft_sampled_light *sampled;      /* NULL: the frame has none */
-    daft_gloss *gloss;                /* NULL: the frame has none, or does not filter it */
-    daft_batch *third;                /* NULL: no surface sends more than one ray on */
-    daft_lanes3 *passed;              /* of the running light's light; NULL until some shadow lets light through */
-    daft_ray_batch *refracted;        /* waiting, of each depth; NULL until something is seen that light may pass */
-    uint8_t seen_by[DAFT_BATCH_ROOM]; /* where there are planar mirrors: see daft_mirrors_follow */
+    daft_sampled_light *sampled; /* NULL: the frame has none */
+    daft_gloss *gloss;           /* NULL: the frame has none, or does not filter it */
+    daft_batch *third;           /* NULL: no surface sends more than one ray on */
+    daft_lanes3 *passed;         /* of the running light's light; NULL until some shadow lets light through */
+    /* Waiting, of each depth: what is refracted and what goes straight on, in a list each where one point may send
+     * both, else in one. NULL until something is seen that light may pass. */
+    daft_ray_batch *refracted;
+    uint8_t seen_by[DAFT_BATCH_ROOM];                 /* where there are planar mirrors: see daft_mirrors_follow */
     uint32_t around[2][DAFT_TILE + 2][DAFT_TILE + 2]; /* a tile at the picture's border: its pixels and ids */
     daft_mixed mixed;                                 /* the tile's pixels that their corners change */
     daft_tile grids[4];                               /* what the rays of a part of the tile see (tile/edges.c) */

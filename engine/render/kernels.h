@@ -168,10 +168,12 @@ typedef struct daft_render_kernels {
     /* Appends the points where the rays first.. hit, all of them set; misses are left out. */
     void (*hit_points)(const daft_snapshot *snapshot, const daft_ray_batch *rays, uint32_t first, const daft_hit *hits,
                        uint32_t count, daft_facets *facets, daft_batch *points);
-    /* The rays that points send on. `refracted` may be NULL: then nothing is seen that transmits, or it is not followed
-     * any more. Both are overwritten. */
+    /* The rays that points send on, up to one of each point in each list: mirrored, refracted, and straight through
+     * what is not there or blends. `refracted` and `straight` may be NULL: then nothing is seen that lets light
+     * through, or it is not followed any more; and they may be one list, where no material both blends and transmits.
+     * All are overwritten. */
     void (*spawn)(const daft_snapshot *snapshot, const daft_batch *points, const daft_spawning *allowed,
-                  daft_ray_batch *mirrored, daft_ray_batch *refracted);
+                  daft_ray_batch *mirrored, daft_ray_batch *refracted, daft_ray_batch *straight);
     /* The ids of a tile's pixels, rows `stride` apart. */
     void (*ids)(const daft_tile *tile, uint32_t *ids, size_t stride);
     void (*contrast)(const daft_neighbours *neighbours, const daft_contrast *limit, daft_edges *out);

@@ -282,6 +282,12 @@ static void spawn_straight(const spawning *s, daft_ray_batch *rays)
     }
 }
 
+/* How much of each surface is there. */
+DAFT_INLINE vf opacity_at(const spawning *s, uint32_t first)
+{
+    return s->b->traits & DAFT_TRAIT_BLEND ? vf_load(&s->varying->opacity[first]) : vf_set(1);
+}
+
 /* Of points that transmit, `through`: where mirrored rays are not followed any more, what can be refracted is, in full;
  * what cannot still is mirrored, since that is the only way the light has. Changes what is mirrored, `mirror`, and
  * gives what happens at the surface. */
@@ -294,7 +300,7 @@ DAFT_INLINE interface divide(const spawning *s, const window *w, const material_
     const vf eta = b->media ? vf_load(&b->media->eta[w->first]) : vf_if_then_else(inside, index, vf_set(1) / index);
     interface f = interface_at(eta, vf3_dot(normal, w->view));
     if (!s->allowed->mirrors) f.fresnel = vf_if_then_else(vf_lt(f.fresnel, vf_set(1)), vf_set(0), f.fresnel);
-    const vf fraction = MATERIAL_WORD(m, transmission) * f.fresnel;
+    const vf fraction = MATERIAL_WORD(m, transmission) * f.fresnel * opacity_at(s, w->first);
     const vf3 all = {mirror->x + fraction, mirror->y + fraction, mirror->z + fraction};
     *mirror = select3(vm_from_bits(through), all, *mirror);
     return f;
@@ -325,7 +331,8 @@ static void spawn_bent(const spawning *s, uint32_t i, vbits lanes, daft_ray_batc
     if (mirrors)
         add_rays(b, &w, mirrors, load3(&b->point, i), mirrored(&w, normal, rough), back, media_from(b), mirror_rays);
     if (!through) return;
-    const vf3 on = mul3(weight, scale3(MATERIAL_COLOR(&m, transmittance), vf_set(1) - f.fresnel));
+    const vf passed = (vf_set(1) - f.fresnel) * opacity_at(s, i);
+    const vf3 on = mul3(weight, scale3(MATERIAL_COLOR(&m, transmittance), passed));
     const vbits refracts = through & that_count(on, allowed->min);
     if (!refracts) return;
     vf3 origin;
@@ -334,13 +341,14 @@ static void spawn_bent(const spawning *s, uint32_t i, vbits lanes, daft_ray_batc
 }
 
 static void spawn(const daft_snapshot *snapshot, const daft_batch *b, const daft_spawning *allowed,
-                  daft_ray_batch *mirror_rays, daft_ray_batch *refracted_rays)
+                  daft_ray_batch *mirror_rays, daft_ray_batch *refracted_rays, daft_ray_batch *straight_rays)
 {
     const spawning s = {snapshot, b, allowed, b->traits & DAFT_TRAIT_VARIES ? b->varying : NULL};
     mirror_rays->count = 0;
     if (refracted_rays) refracted_rays->count = 0;
-    if (refracted_rays && allowed->ray == 0 && (b->media || b->traits & DAFT_TRAIT_BLEND))
-        spawn_straight(&s, refracted_rays);
+    if (straight_rays) straight_rays->count = 0;
+    if (straight_rays && allowed->ray == 0 && (b->media || b->traits & DAFT_TRAIT_BLEND))
+        spawn_straight(&s, straight_rays);
     for (uint32_t i = 0; i < b->count; i += DAFT_VL)
         spawn_bent(&s, i, lanes_of(b, i) & ~passed_by(b, i), mirror_rays, allowed->refracts ? refracted_rays : NULL);
 }

@@ -72,7 +72,7 @@ static void end_mirrors(tile_job *j, const daft_batch *points, const daft_spawni
     daft_scratch *s = j->s;
     const daft_vec3 end = end_color(j->snapshot);
     all.mirrors = true, all.rough = false;
-    j->r->kernels->spawn(j->snapshot, points, &all, &s->rays, NULL);
+    j->r->kernels->spawn(j->snapshot, points, &all, &s->rays, NULL, NULL);
     for (uint32_t i = 0; i < s->rays.count; i++) {
         const uint32_t pixel = s->rays.pixel[i];
         s->color.x[pixel] += s->rays.weight.x[i] * end.x, s->color.y[pixel] += s->rays.weight.y[i] * end.y;
@@ -97,18 +97,23 @@ void daft_tile_spawn(tile_job *j, const daft_batch *points, int depth, uint32_t 
                                    .salt = 977u * (uint32_t)(depth + 1) + (depth ? 131u * ray : 0),
                                    .place = j->refines ? j->s->wanted : NULL,
                                    .turns = j->r->turns};
-    bool refracts = j->frame->plan.refracts && depth < plan->through_depth;
+    const bool refracts = plan->refracts && depth < plan->through_depth;
+    daft_ray_batch *waiting = refracts ? &j->s->refracted[depth * plan->through_lists] : NULL;
+    daft_ray_batch *straight = refracts ? waiting + plan->through_lists - 1 : NULL;
     j->s->rays.count = 0;
     if (!(points->traits & DAFT_TRAIT_SENDS)) return;
     if (!allowed.mirrors && (plan->reflects || plan->quality->mirror_depth == 0)) end_mirrors(j, points, &allowed);
     if (allowed.mirrors || refracts)
-        j->r->kernels->spawn(j->snapshot, points, &allowed, &j->s->rays, refracts ? &j->s->refracted[depth] : NULL);
+        j->r->kernels->spawn(j->snapshot, points, &allowed, &j->s->rays, waiting, straight);
 }
 
-int daft_tile_deepest_waiting(const tile_job *j, int depth)
+daft_ray_batch *daft_tile_waiting(const tile_job *j, int *depth)
 {
-    if (!j->frame->plan.refracts) return -1;
-    depth = daft_min_i(depth, j->frame->plan.through_depth - 1);
-    while (depth >= 0 && j->s->refracted[depth].count == 0) depth--;
-    return depth;
+    const daft_plan *plan = &j->frame->plan;
+    if (!plan->refracts) return NULL;
+    int list = (daft_min_i(*depth, plan->through_depth - 1) + 1) * plan->through_lists - 1;
+    while (list >= 0 && j->s->refracted[list].count == 0) list--;
+    if (list < 0) return NULL;
+    *depth = list / plan->through_lists;
+    return &j->s->refracted[list];
 }

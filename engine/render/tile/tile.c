@@ -227,13 +227,13 @@ static void follow(tile_job *j, uint32_t ray, uint32_t rays)
         daft_tile_spawn(j, points, depth, ray, rays);
         if (gloss && depth == 0 && gloss->some) {
             daft_gloss_send(j, &s->rays);
-            if (j->frame->plan.refracts) daft_gloss_send(j, &s->refracted[0]);
+            for (int i = 0; j->frame->plan.refracts && i < j->frame->plan.through_lists; i++)
+                daft_gloss_send(j, &s->refracted[i]);
         }
         daft_ray_batch *sent = &s->rays;
         if (!sent->count) {
-            depth = daft_tile_deepest_waiting(j, depth);
-            if (depth < 0) return;
-            sent = &s->refracted[depth];
+            sent = daft_tile_waiting(j, &depth);
+            if (!sent) return;
         }
         const uint32_t shown = look_through(j, points, sent);
         if (gloss) gloss->asks = gloss->some && depth == 0;
