@@ -47,7 +47,6 @@ DAFT_INLINE window window_at(const daft_batch *b, uint32_t first, vbits lanes)
 }
 
 DAFT_INLINE vf3 mul3(vf3 a, vf3 b) { return (vf3){a.x * b.x, a.y * b.y, a.z * b.z}; }
-DAFT_INLINE vf3 flipped3(vf3 a) { return (vf3){-a.x, -a.y, -a.z}; }
 
 /* The lanes in which some colour's weight is more than the least. */
 DAFT_INLINE vbits that_count(vf3 weight, float min)
@@ -224,12 +223,6 @@ static void place_beyond(const spawning *s, const window *w, vbits lanes, vf3 *o
 
 static const daft_media *media_from(const daft_batch *b) { return b->media ? b->media->from : NULL; }
 static const daft_media *media_beyond(const daft_batch *b) { return b->media ? b->media->beyond : NULL; }
-
-DAFT_INLINE void compress3(daft_lanes3 *out, uint32_t at, vbits lanes, vf3 v)
-{
-    vf_compress_store(&out->x[at], lanes, v.x), vf_compress_store(&out->y[at], lanes, v.y);
-    vf_compress_store(&out->z[at], lanes, v.z);
-}
 
 /* `media`: of the batch's points, that the rays are in; read where rays carry them. */
 static void add_rays(const daft_batch *b, const window *w, vbits lanes, vf3 origin, vf3 d, vf3 weight,

@@ -28,15 +28,6 @@ static uint32_t trace_some(const tile_job *j, const daft_ray_batch *rays, uint32
     return count;
 }
 
-static void see_sky(daft_ray_batch *sky, const daft_ray_batch *rays, uint32_t i)
-{
-    uint32_t at = sky->count++;
-    sky->direction.x[at] = rays->direction.x[i], sky->direction.y[at] = rays->direction.y[i];
-    sky->direction.z[at] = rays->direction.z[i];
-    sky->weight.x[at] = rays->weight.x[i], sky->weight.y[at] = rays->weight.y[i], sky->weight.z[at] = rays->weight.z[i];
-    sky->pixel[at] = rays->pixel[i];
-}
-
 void daft_tile_trace(tile_job *j, daft_ray_batch *rays, daft_effect_kind effect, uint32_t shown, daft_batch *next)
 {
     daft_scratch *s = j->s;
@@ -47,10 +38,8 @@ void daft_tile_trace(tile_job *j, daft_ray_batch *rays, daft_effect_kind effect,
         count = trace_some(j, rays, first, shown, hits);
         if (rays->media) daft_media_absorb(j, rays, first, hits, count);
         if (j->frame->plan.fog) daft_fog_rays(j, rays, first, hits, count);
-        for (uint32_t i = 0; i < count; i++)
-            if (hits[i].instance == UINT32_MAX) see_sky(&s->sky, rays, first + i);
         if (j->s->gloss && j->s->gloss->asks) daft_gloss_meet(j, rays, first, hits, count);
-        j->r->kernels->hit_points(j->snapshot, rays, first, hits, count, &s->facets, next);
+        j->r->kernels->hit_points(j->snapshot, rays, first, hits, count, &s->facets, next, &s->sky);
     }
     s->rays_cast[effect] += rays->count;
     daft_cost_add(j, rays->pixel, rays->count);

@@ -291,9 +291,10 @@ static void rays_meet_what_they_hit(void **unused)
             daft_accel_kernels_for(0)->closest(tlas, &ray, UINT32_MAX, &hits[i]);
         }
         for (int isa = 0; isa <= daft_isa_best(); isa++) {
-            s->points[isa].count = s->points[isa].traits = 0;
-            kernels(isa)->hit_points(&s->snapshot, &s->rays, 0, hits, RAYS, &s->facets, &s->points[isa]);
+            s->points[isa].count = s->points[isa].traits = s->sky.count = 0;
+            kernels(isa)->hit_points(&s->snapshot, &s->rays, 0, hits, RAYS, &s->facets, &s->points[isa], &s->sky);
             same_bits(&s->points[isa], &s->points[0], DAFT_TRAIT_SENDS);
+            assert_int_equal(s->points[isa].count + s->sky.count, RAYS);
         }
         const daft_batch *b = &s->points[0];
         for (uint32_t i = 0; i < b->count; i++) {
