@@ -555,17 +555,21 @@ static void take_hits(const daft_snapshot *snapshot, const daft_ray_batch *from,
                       uint32_t count, daft_facets *f, daft_batch *b, daft_ray_batch *sky)
 {
     finder known = {.snapshot = snapshot, .facets = f};
-    uint32_t at = b->count;
+    uint32_t at = b->count, last = UINT32_MAX, last_triangle = 0, triangle = 0;
+    int32_t slot = 0;
     for (uint32_t i = 0; i < count; i += DAFT_VL) {
         const uint32_t begin = at, ray = first + i, end = daft_min_u(DAFT_VL, count - i);
         vbits lanes = 0;
         for (uint32_t k = 0; k < end; k++) {
             const daft_hit *hit = &hits[i + k];
             if (hit->instance == UINT32_MAX) continue;
-            const uint32_t triangle = snapshot->instances[hit->instance].mesh ? hit->triangle : 0;
+            if (hit->instance != last || hit->triangle != last_triangle) {
+                last = hit->instance, last_triangle = hit->triangle;
+                triangle = snapshot->instances[last].mesh ? last_triangle : 0;
+                slot = find_slot(&known, last, triangle);
+            }
             b->u[at] = hit->u, b->v[at] = hit->v, b->footprint[at] = hit->t;
-            b->instance[at] = hit->instance, b->triangle[at] = triangle;
-            f->slot[at - b->count] = find_slot(&known, hit->instance, triangle);
+            b->instance[at] = last, b->triangle[at] = triangle, f->slot[at - b->count] = slot;
             if (from->media) b->media->from[at] = from->media[ray + k];
             lanes |= (vbits)1 << k, at++;
         }

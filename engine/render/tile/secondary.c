@@ -1,6 +1,8 @@
 /* Secondary rays of a tile: spawned by its points, traced through the BVH in streams or known by planar mirrors. */
 #include "render/tile/tile.h"
 
+#include <string.h>
+
 enum { STREAM = 256 }; /* rays that are asked together */
 
 /* Member by member: a ray made of parts elsewhere and copied here waits until its parts are stored. */
@@ -28,7 +30,31 @@ static uint32_t trace_some(const tile_job *j, const daft_ray_batch *rays, uint32
     return count;
 }
 
-void daft_tile_trace(tile_job *j, daft_ray_batch *rays, daft_effect_kind effect, uint32_t shown, daft_batch *next)
+static void append3(daft_lanes3 *to, uint32_t at, const daft_lanes3 *from, uint32_t count)
+{
+    memcpy(&to->x[at], from->x, count * sizeof(float)), memcpy(&to->y[at], from->y, count * sizeof(float));
+    memcpy(&to->z[at], from->z, count * sizeof(float));
+}
+
+/* Deep down each batch would halve again and again: what is past its critical angle here, the rest there. */
+daft_ray_batch *daft_tile_join(const tile_job *j, int depth)
+{
+    const daft_plan *plan = &j->frame->plan;
+    if (!plan->refracts || depth >= plan->through_depth) return NULL;
+    daft_ray_batch *to = &j->s->refracted[depth * plan->through_lists], *from = &j->s->rays;
+    const uint32_t at = to->count, count = from->count;
+    if (!at || !count || at + count > DAFT_BATCH) return NULL;
+    append3(&to->origin, at, &from->origin, count);
+    append3(&to->direction, at, &from->direction, count);
+    append3(&to->weight, at, &from->weight, count);
+    memcpy(&to->distance[at], from->distance, count * sizeof *from->distance);
+    memcpy(&to->pixel[at], from->pixel, count * sizeof *from->pixel);
+    if (to->media) memcpy(&to->media[at], from->media, count * sizeof *from->media);
+    to->count += count, from->count = 0;
+    return to;
+}
+
+void daft_tile_trace(tile_job *j, daft_ray_batch *rays, uint32_t mirrored, uint32_t shown, daft_batch *next)
 {
     daft_scratch *s = j->s;
     daft_hit hits[STREAM];
@@ -41,10 +67,12 @@ void daft_tile_trace(tile_job *j, daft_ray_batch *rays, daft_effect_kind effect,
         if (j->s->gloss && j->s->gloss->asks) daft_gloss_meet(j, rays, first, hits, count);
         j->r->kernels->hit_points(j->snapshot, rays, first, hits, count, &s->facets, next, &s->sky);
     }
-    s->rays_cast[effect] += rays->count;
+    s->rays_cast[DAFT_EFFECT_REFLECTION] += mirrored;
+    s->rays_cast[DAFT_EFFECT_REFRACTION] += rays->count - mirrored;
     daft_cost_add(j, rays->pixel, rays->count);
-    ran(j, effect);
-    book(j, effect);
+    if (mirrored) ran(j, DAFT_EFFECT_REFLECTION);
+    if (mirrored < rays->count) ran(j, DAFT_EFFECT_REFRACTION);
+    book_both(j, DAFT_EFFECT_REFLECTION, DAFT_EFFECT_REFRACTION, mirrored, rays->count);
 }
 
 /* What mirrors show where they are not followed any more: the sky's mean colour. In rooms under a black sky it is the
