@@ -250,7 +250,7 @@ uint32_t daft_mirrors_tile(const daft_frame *frame, uint32_t number, uint32_t wo
  * those of the rays, counted from the first, that no view decides and that must be cast; gives how many. */
 uint32_t daft_mirrors_hits(const daft_frame *frame, uint32_t shown, uint32_t worker, const uint8_t *by,
                            const daft_ray_batch *rays, uint32_t first, uint32_t count, daft_hit *hits,
-                           uint32_t *others);
+                           uint16_t *others);
 /* A row of the picture, or of the apron. */
 static inline uint8_t *daft_frame_row(const daft_frame *frame, int y)
 {

@@ -4,29 +4,25 @@
 #include <string.h>
 
 enum { STREAM = 256 }; /* rays that are asked together */
-
-/* Member by member: a ray made of parts elsewhere and copied here waits until its parts are stored. */
-static void put_ray(daft_ray *out, const daft_ray_batch *rays, uint32_t i)
-{
-    out->origin.x = rays->origin.x[i], out->origin.y = rays->origin.y[i], out->origin.z = rays->origin.z[i];
-    out->tmin = 0;
-    out->direction.x = rays->direction.x[i], out->direction.y = rays->direction.y[i];
-    out->direction.z = rays->direction.z[i];
-    out->tmax = INFINITY;
-}
+_Static_assert((int)DAFT_TILE == (int)DAFT_STRIP_ROW, "places of pixels are those of a tile");
 
 /* What the rays first.. of a batch hit; gives how many they are. `shown`: bits of the planar mirrors that know it of
  * theirs. */
 static uint32_t trace_some(const tile_job *j, const daft_ray_batch *rays, uint32_t first, uint32_t shown,
                            daft_hit hits[STREAM])
 {
-    daft_ray stream[STREAM];
-    daft_hit found[STREAM];
-    uint32_t place[STREAM], count = daft_min_u(STREAM, rays->count - first), asked = count;
-    if (shown) asked = daft_mirrors_hits(j->frame, shown, j->worker, j->s->seen_by, rays, first, count, hits, place);
-    for (uint32_t i = 0; i < asked; i++) put_ray(&stream[i], rays, first + (shown ? place[i] : i));
-    j->r->accel->closest_stream(j->frame->tlas, stream, asked, UINT32_MAX, shown ? found : hits);
-    for (uint32_t i = 0; shown && i < asked; i++) hits[place[i]] = found[i];
+    uint16_t others[STREAM];
+    const uint32_t count = daft_min_u(STREAM, rays->count - first);
+    const daft_lanes3 *o = &rays->origin, *d = &rays->direction;
+    uint32_t asked = count;
+    daft_ray_arrays arrays = {.origin = {o->x + first, o->y + first, o->z + first},
+                              .direction = {d->x + first, d->y + first, d->z + first},
+                              .place = &rays->pixel[first]};
+    if (shown) {
+        asked = daft_mirrors_hits(j->frame, shown, j->worker, j->s->seen_by, rays, first, count, hits, others);
+        arrays.numbers = others;
+    }
+    j->r->accel->closest_arrays(j->frame->tlas, &arrays, asked, hits);
     return count;
 }
 
