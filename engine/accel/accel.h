@@ -124,6 +124,14 @@ static inline void daft_ray_packet_set(daft_ray_packet *packet, uint32_t lane, c
     packet->tmin[lane] = ray->tmin, packet->tmax[lane] = ray->tmax;
 }
 
+/* Rays in arrays, from their origins to infinity. */
+typedef struct daft_ray_arrays {
+    const float *origin[3], *direction[3];
+    const uint32_t *place;   /* numbers of pixels, DAFT_STRIP_ROW in a row: those of a strip of columns stay together */
+    const uint16_t *numbers; /* of the rays that are asked for; NULL: all */
+} daft_ray_arrays;
+enum { DAFT_STRIP_ROW = 32 };
+
 /* Kernels, compiled once per instruction set and picked by daft_accel_kernels(isa). */
 typedef struct daft_accel_kernels {
     /* Nearest hit in tmin <= t <= tmax. `ignore`: an instance index to pass through, or UINT32_MAX. */
@@ -140,6 +148,8 @@ typedef struct daft_accel_kernels {
      * hits[i] becomes what `closest` finds for rays[i]. */
     void (*closest_stream)(const daft_tlas *tlas, const daft_ray *rays, uint32_t count, uint32_t ignore,
                            daft_hit *hits);
+    /* The same for `count` rays in arrays: hits[k] becomes what `closest` finds for ray k. */
+    void (*closest_arrays)(const daft_tlas *tlas, const daft_ray_arrays *rays, uint32_t count, daft_hit *hits);
     /* Sets bit i % 32 of occluded[i / 32] for the rays that are occluded and clears it for the others. */
     void (*occluded_stream)(const daft_tlas *tlas, const daft_ray *rays, uint32_t count, uint32_t *occluded);
     /* Tells of each hit in tmin <= t <= tmax with the instances of DAFT_INSTANCE_FILTERS_SHADOW, once for each triangle

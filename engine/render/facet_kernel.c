@@ -151,7 +151,8 @@ static void fetch_group(const daft_snapshot *snapshot, daft_facets *f, uint32_t 
 typedef struct group {
     vf3 corner[3], normal[3], outward;
     vf area, height, min, max;
-    vbits smooth;
+    vbits smooth, inner; /* inner: the rays see its inner side */
+    vbits mirrored;      /* to_frame mirrors */
 } group;
 
 static void move_group(const stage *from, group *g)
@@ -161,6 +162,8 @@ static void move_group(const stage *from, group *g)
     vf m[24], *inverse = m + 12;
     for (int k = 0; k < 24 && from->one_instance; k++) m[k] = vf_set(from->maps[0][k]);
     for (int k = 0; k < 24 && !from->one_instance; k += 4) vf_gather_rows4(from->maps, k, m + k);
+    const vf3 rows[3] = {{m[0], m[1], m[2]}, {m[3], m[4], m[5]}, {m[6], m[7], m[8]}};
+    g->mirrored = vbits_from_mask(vf_lt(vf3_dot(rows[0], cross3(rows[1], rows[2])), vf_set(0)));
     for (int k = 0; k < 3; k++) { /* as daft_affine_point, daft_affine_transposed and daft_normalize */
         vf3 p = {vf_load(from->corner[3 * k]), vf_load(from->corner[3 * k + 1]), vf_load(from->corner[3 * k + 2])};
         vf3 n = {vf_load(from->normal[3 * k]), vf_load(from->normal[3 * k + 1]), vf_load(from->normal[3 * k + 2])};
@@ -174,22 +177,13 @@ static void move_group(const stage *from, group *g)
     }
 }
 
-typedef struct vd3 {
-    vd x, y, z;
-} vd3;
-DAFT_INLINE vd vd3_dot(vd3 a, vd3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-DAFT_INLINE vd3 half3(vf3 a, int half)
-{
-    return (vd3){vd_promote_half(a.x, half), vd_promote_half(a.y, half), vd_promote_half(a.z, half)};
-}
-DAFT_INLINE vd3 vd3_sub(vd3 a, vd3 b) { return (vd3){a.x - b.x, a.y - b.y, a.z - b.z}; }
 DAFT_INLINE vf3 join3(const vd3 a[2])
 {
     return (vf3){vf_demote2(a[0].x, a[1].x), vf_demote2(a[0].y, a[1].y), vf_demote2(a[0].z, a[1].z)};
 }
 
-/* The plane's normal; a triangle without area faces the viewer. */
-DAFT_INLINE void group_planes(group *g, vf3 direction)
+/* The plane's normal; a triangle without area has `none`. */
+DAFT_INLINE void group_planes(group *g, vf3 none)
 {
     vd3 outward[2];
     vd length[2], some[2];
@@ -202,20 +196,14 @@ DAFT_INLINE void group_planes(group *g, vf3 direction)
         vd scale = 1 / length[half];
         outward[half] = (vd3){cross.x * scale, cross.y * scale, cross.z * scale};
     }
-    vf3 back = unit3(direction);
-    back = (vf3){-back.x, -back.y, -back.z};
     g->area = vf_demote2(length[0], length[1]);
-    g->outward = select3(vf_lt(vf_set(0), vf_demote2(some[0], some[1])), join3(outward), back);
+    g->outward = select3(vf_lt(vf_set(0), vf_demote2(some[0], some[1])), join3(outward), none);
 }
 
-DAFT_INLINE vf3 flip3(vf3 a, vm m)
-{
-    vi sign = vi_if_then_else(m, vi_set((int32_t)0x80000000), vi_set(0));
-    return (vf3){vf_xor(a.x, sign), vf_xor(a.y, sign), vf_xor(a.z, sign)};
-}
-
-/* Turns the plane to the normals' side, finds whether they differ, then turns all of it to the viewer's. */
-DAFT_INLINE void group_sides(group *g, vf3 origin, vbits with_normals)
+/* Turns the plane to the normals' side and finds whether they differ. The outer side is the normals' or, without any,
+ * that from which the corners run counter-clockwise: where to_frame mirrors, the frame sees them the other way round.
+ */
+DAFT_INLINE void group_sides(group *g, vbits with_normals)
 {
     vf zero = vf_set(0);
     vf3 sum = add3(add3(add3(set3(daft_v3(0, 0, 0)), g->normal[0]), g->normal[1]), g->normal[2]);
@@ -224,24 +212,19 @@ DAFT_INLINE void group_sides(group *g, vf3 origin, vbits with_normals)
     vbits smooth = 0;
     for (int k = 0; k < 3; k++) smooth |= vbits_from_mask(vf_lt(vf3_dot(g->normal[k], g->outward), vf_set(0.999999f)));
     g->smooth = smooth & with_normals;
-    vd height[2];
-    for (int half = 0; half < 2; half++)
-        height[half] = vd3_dot(half3(g->outward, half), vd3_sub(half3(g->corner[0], half), half3(origin, half)));
-    g->height = vf_demote2(height[0], height[1]);
-    vm behind = vf_lt(zero, g->height);
+    g->inner = g->mirrored & ~with_normals;
+}
+
+/* Turns all of it to the viewer's side. */
+DAFT_INLINE void group_faces(group *g, const facet_rays *rays)
+{
+    g->height = plane_height(g->outward, g->corner[0], rays->origin);
+    vm behind = vf_lt(vf_set(0), g->height);
+    g->inner ^= vbits_from_mask(behind);
     g->outward = flip3(g->outward, behind);
     g->height = vf_if_then_else(behind, -g->height, g->height);
     for (int k = 0; k < 3; k++) g->normal[k] = flip3(g->normal[k], behind);
-}
-
-/* The range of t of rays along `unit`. */
-DAFT_INLINE void group_limits(group *g, vf3 origin, vf3 unit)
-{
-    g->min = vf_set(INFINITY), g->max = vf_set(-INFINITY);
-    for (int k = 0; k < 3; k++) {
-        vf along = vf3_dot(sub3(g->corner[k], origin), unit);
-        g->min = vf_min(along, g->min), g->max = vf_max(along, g->max);
-    }
+    corner_range(g->corner, rays->origin, rays->unit, &g->min, &g->max);
 }
 
 DAFT_INLINE vf3 edge_plane(vf3 a, vf3 c)
@@ -264,22 +247,29 @@ DAFT_INLINE void store_eight(float *rows, const vf v[8], vbits lanes)
     vf_scatter_rows8(rows, row, v, lanes);
 }
 
-/* Facets without smooth normals, texture and colours need only their first eight floats. */
-static void store_group(const group *g, const stage *from, float *rows)
+/* Facets of rays from one place without smooth normals, texture and colours need only their first eight floats. */
+static void store_group(const group *g, const stage *from, bool anywhere, float *rows)
 {
     vf v[DAFT_FACET_FLOATS];
     put3(v, FACET_OUTWARD, g->outward);
-    v[FACET_HEIGHT] = g->height, v[FACET_LEAST] = g->min, v[FACET_MOST] = g->max, v[FACET_SIZE] = vf_load(from->size);
+    if (anywhere)
+        put3(v, FACET_FIRST, g->corner[0]);
+    else
+        v[FACET_HEIGHT] = g->height, v[FACET_LEAST] = g->min, v[FACET_MOST] = g->max;
+    v[FACET_SIZE] = vf_load(from->size);
     vi word = vi_load(from->word);
+    word = vi_if_then_else(vm_from_bits(g->inner), word | vi_set(FACET_INNER), word);
     v[FACET_WORD] = (vf)vi_if_then_else(vm_from_bits(g->smooth), word | vi_set(FACET_SMOOTH), word);
     vbits lanes = ~from->spheres & DAFT_ALL_LANES;
     store_eight(rows, v, lanes);
-    if (!((g->smooth | from->textured | from->colored) & from->triangles)) return;
+    if (!anywhere && !((g->smooth | from->textured | from->colored) & from->triangles)) return;
     for (int k = 0; k < 3; k++) {
-        put3(v, FACET_EDGE + 3 * k, edge_plane(g->corner[(k + 1) % 3], g->corner[(k + 2) % 3]));
+        if (!anywhere) put3(v, FACET_EDGE + 3 * k, edge_plane(g->corner[(k + 1) % 3], g->corner[(k + 2) % 3]));
         put3(v, FACET_NORMAL + 3 * k, g->normal[k]);
         put3(v, FACET_CORNER + 3 * k, g->corner[k]);
     }
+    if (anywhere)
+        for (int k = 0; k < 3; k++) put3(v, FACET_OTHERS + 3 * k, g->corner[k < 2 ? k + 1 : k]);
     v[FACET_DENSITY] = g->area; /* set_texture goes on from it */
     for (int k = FACET_UV; k < FACET_UV + 4; k++) v[k] = vf_set(0);
     for (int k = 8; k < 40; k += 8) store_eight(rows + k, v + k, lanes);
@@ -324,10 +314,10 @@ void DAFT_KERNEL(daft_facets_setup)(const daft_snapshot *snapshot, daft_facets *
     fetch_group(snapshot, facets, first, count, &from);
     if (!from.triangles) return;
     move_group(&from, &g);
-    group_planes(&g, rays->direction);
-    group_sides(&g, rays->origin, from.with_normals);
-    group_limits(&g, rays->origin, rays->unit);
-    store_group(&g, &from, facets->row[first]);
+    group_planes(&g, rays ? flipped3(unit3(rays->direction)) : set3(daft_v3(0, 0, 0)));
+    group_sides(&g, from.with_normals);
+    if (rays) group_faces(&g, rays);
+    store_group(&g, &from, !rays, facets->row[first]);
     for (vbits left = from.textured; left; left &= left - 1) {
         uint32_t at = first + (uint32_t)__builtin_ctz(left);
         set_texture(snapshot->instances[facets->instance[at]].mesh, facets->triangle[at], facets->row[at]);

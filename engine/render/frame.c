@@ -120,16 +120,17 @@ static bool out_of_memory(const daft_renderer *r)
     return false;
 }
 
-/* Refracted rays are queued in one batch for each depth: mirrored rays are followed first. */
+/* Refracted rays are queued, in batches of their own for each depth: mirrored rays are followed first. */
 static bool prepare_refractions(daft_frame *frame, daft_error *error)
 {
     daft_renderer *r = frame->renderer;
     if (!frame->plan.refracts) return true;
-    size_t depths = (size_t)frame->plan.through_depth, all = depths * (size_t)r->threads;
+    const size_t lists = (size_t)(frame->plan.through_depth * frame->plan.through_lists);
+    const size_t all = lists * (size_t)r->threads;
     if (!daft_grow(&r->allocator, &r->refracted, &r->refracted_capacity, all, 0, sizeof *r->refracted))
         return daft_fail_memory(error, "refracted rays");
     for (size_t i = 0; i < all; i++) r->refracted[i].count = 0;
-    for (int i = 0; i < r->threads; i++) r->scratch[i].refracted = r->refracted + (size_t)i * depths;
+    for (int i = 0; i < r->threads; i++) r->scratch[i].refracted = r->refracted + (size_t)i * lists;
     return true;
 }
 

@@ -20,6 +20,7 @@ typedef struct daft_plan {
     bool colors, varies, tangents, blends;       /* of what is in the frame: see DAFT_TRAIT_… */
     bool fades;                                  /* the same of vertices' alpha, where something blends */
     int through_depth;                           /* surfaces that a path which passes through some may meet */
+    int through_lists;                           /* of rays that wait, for each: see daft_scratch.refracted */
     bool tints, may_refract;                     /* some of these shadows let light through; some material transmits */
     bool filters;                                /* some of what keeps light away has alpha */
     bool media, absorbs;                         /* some material has a priority or absorbs; or the latter alone */
@@ -78,12 +79,14 @@ typedef struct daft_scratch {
     daft_lanes3 color;              /* of the tile's pixels: row · DAFT_TILE + column */
     uint32_t candidates[DAFT_MAX_OCCLUDERS];
     uint32_t lit[DAFT_SAMPLES_WORDS], under[DAFT_SAMPLES_WORDS];
-    daft_sampled_light *sampled;      /* NULL: the frame has none */
-    daft_gloss *gloss;                /* NULL: the frame has none, or does not filter it */
-    daft_batch *third;                /* NULL: no surface sends more than one ray on */
-    daft_lanes3 *passed;              /* of the running light's light; NULL until some shadow lets light through */
-    daft_ray_batch *refracted;        /* waiting, of each depth; NULL until something is seen that light may pass */
-    uint8_t seen_by[DAFT_BATCH_ROOM]; /* where there are planar mirrors: see daft_mirrors_follow */
+    daft_sampled_light *sampled; /* NULL: the frame has none */
+    daft_gloss *gloss;           /* NULL: the frame has none, or does not filter it */
+    daft_batch *third;           /* NULL: no surface sends more than one ray on */
+    daft_lanes3 *passed;         /* of the running light's light; NULL until some shadow lets light through */
+    /* Waiting, of each depth: what is refracted and what goes straight on, in a list each where one point may send
+     * both, else in one. NULL until something is seen that light may pass. */
+    daft_ray_batch *refracted;
+    uint8_t seen_by[DAFT_BATCH_ROOM];                 /* where there are planar mirrors: see daft_mirrors_follow */
     uint32_t around[3][DAFT_TILE + 2][DAFT_TILE + 2]; /* a tile at the picture's border: its pixels, ids, own colours */
     daft_mixed mixed;                                 /* the tile's pixels that their corners change */
     daft_tile grids[4];                               /* what the rays of a part of the tile see (tile/edges.c) */
@@ -251,7 +254,7 @@ uint32_t daft_mirrors_tile(const daft_frame *frame, uint32_t number, uint32_t wo
  * those of the rays, counted from the first, that no view decides and that must be cast; gives how many. */
 uint32_t daft_mirrors_hits(const daft_frame *frame, uint32_t shown, uint32_t worker, const uint8_t *by,
                            const daft_ray_batch *rays, uint32_t first, uint32_t count, daft_hit *hits,
-                           uint32_t *others);
+                           uint16_t *others);
 /* A row of the picture, or of the apron. */
 static inline uint8_t *daft_frame_row(const daft_frame *frame, int y)
 {

@@ -200,13 +200,16 @@ typedef struct daft_render_kernels {
     /* The same for rays in a list. */
     void (*listed_surfaces)(const daft_surfaces_def *def, const daft_seen_list *list, daft_facets *facets,
                             daft_batch *points, daft_ray_batch *sky);
-    /* Appends the points where the rays first.. hit, all of them set; misses are left out. */
+    /* Appends the points where the rays first.. hit, all of them set, and the misses to `sky`, without their origins;
+     * NULL: these are left out. */
     void (*hit_points)(const daft_snapshot *snapshot, const daft_ray_batch *rays, uint32_t first, const daft_hit *hits,
-                       uint32_t count, daft_facets *facets, daft_batch *points);
-    /* The rays that points send on. `refracted` may be NULL: then nothing is seen that transmits, or it is not followed
-     * any more. Both are overwritten. */
+                       uint32_t count, daft_facets *facets, daft_batch *points, daft_ray_batch *sky);
+    /* The rays that points send on, up to one of each point in each list: mirrored, refracted, and straight through
+     * what is not there or blends. `refracted` and `straight` may be NULL: then nothing is seen that lets light
+     * through, or it is not followed any more; and they may be one list, where no material both blends and transmits.
+     * All are overwritten. */
     void (*spawn)(const daft_snapshot *snapshot, const daft_batch *points, const daft_spawning *allowed,
-                  daft_ray_batch *mirrored, daft_ray_batch *refracted);
+                  daft_ray_batch *mirrored, daft_ray_batch *refracted, daft_ray_batch *straight);
     /* The ids of a tile's pixels, rows `stride` apart. */
     void (*ids)(const daft_tile *tile, uint32_t *ids, size_t stride);
     void (*contrast)(const daft_neighbours *neighbours, const daft_contrast *limit, daft_edges *out);
@@ -245,7 +248,8 @@ void DAFT_KERNEL(daft_surfaces)(const daft_surfaces_def *def, const daft_tile *t
 void DAFT_KERNEL(daft_listed_surfaces)(const daft_surfaces_def *def, const daft_seen_list *list, daft_facets *facets,
                                        daft_batch *points, daft_ray_batch *sky);
 void DAFT_KERNEL(daft_hit_points)(const daft_snapshot *snapshot, const daft_ray_batch *rays, uint32_t first,
-                                  const daft_hit *hits, uint32_t count, daft_facets *facets, daft_batch *points);
+                                  const daft_hit *hits, uint32_t count, daft_facets *facets, daft_batch *points,
+                                  daft_ray_batch *sky);
 void DAFT_KERNEL(daft_tile_ids)(const daft_tile *tile, uint32_t *ids, size_t stride);
 void DAFT_KERNEL(daft_find_contrast)(const daft_neighbours *neighbours, const daft_contrast *limit, daft_edges *out);
 uint32_t DAFT_KERNEL(daft_take_edges)(const daft_edge_part *part, int y, uint32_t pixels, daft_edge_rays *out);

@@ -523,7 +523,7 @@ static bool find_hit(const daft_frame *frame, const daft_mirror *m, const daft_t
 }
 
 uint32_t daft_mirrors_hits(const daft_frame *frame, uint32_t shown, uint32_t worker, const uint8_t *by,
-                           const daft_ray_batch *rays, uint32_t first, uint32_t count, daft_hit *hits, uint32_t *others)
+                           const daft_ray_batch *rays, uint32_t first, uint32_t count, daft_hit *hits, uint16_t *others)
 {
     const daft_renderer *r = frame->renderer;
     const daft_tile *views = &r->mirrored[worker * (uint32_t)frame->mirror_count];
@@ -533,7 +533,7 @@ uint32_t daft_mirrors_hits(const daft_frame *frame, uint32_t shown, uint32_t wor
         const uint8_t which = by[rays->pixel[first + i]];
         if (which >= DAFT_MAX_MIRRORS || !(shown >> which & 1) ||
             !find_hit(frame, &r->mirrors[which], &views[which], rays, first + i, &last, &hits[i]))
-            others[left++] = i;
+            others[left++] = (uint16_t)i;
     }
     return left;
 }

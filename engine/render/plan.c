@@ -29,6 +29,7 @@ static bool ranks(const daft_surface *m) { return m->transmission > 0 && m->prio
 
 static bool blends(const daft_surface *m) { return m->traits & DAFT_TRAIT_BLEND; }
 
+static bool blends_and_transmits(const daft_surface *m) { return transmits(m) && blends(m); }
 static bool lets_through(const daft_surface *m) { return transmits(m) || blends(m); }
 
 static bool varies(const daft_surface *m) { return m->traits & DAFT_TRAIT_VARIES; }
@@ -136,6 +137,7 @@ daft_plan daft_plan_make(const daft_snapshot *snapshot)
     plan.fades = plan.blends && snapshot->fades;
     plan.through_depth = plan.quality->refraction_depth;
     if (plan.blends) plan.through_depth = daft_max_i(plan.through_depth, MOST_LAYERS);
+    plan.through_lists = plan.blends && some_material(snapshot, blends_and_transmits) ? 2 : 1;
     plan.filters = plan.blends && (plan.shadows || plan.occlusion) && some_flag(snapshot, DAFT_INSTANCE_FILTERS_SHADOW);
     plan.may_refract = plan.through_depth > 0 && some_material(snapshot, lets_through);
     why[DAFT_EFFECT_REFRACTION] =

@@ -1,5 +1,5 @@
-/* Rays that surfaces send on, mirrored and refracted, and the kernels of render/ in one table. Scalar: one point
- * after the other.
+/* Rays that surfaces send on, mirrored and refracted, DAFT_VL points at a time, and the kernels of render/ in one
+ * table.
  *
  * Where a surface transmits, Fresnel's equations (for light that is not polarised) divide what is transmitted between
  * the mirrored and the refracted ray, and Snell's law bends the latter; past the critical angle all of it is mirrored.
@@ -11,208 +11,339 @@
  *
  * Rough surfaces are facets (GGX: Walter, Marschner, Li, Torrance, "Microfacet Models for Refraction through Rough
  * Surfaces", EGSR 2007), each a smooth surface; a ray meets one of those that its viewer sees. Light that other facets
- * hide on its way is not lost but goes on from these; so a white surface under a white sky stays white. */
+ * hide on its way is not lost but goes on from these; so a white surface under a white sky stays white.
+ *
+ * Rays are listed in the order of their points, those that go straight on before those that bend, whatever the number
+ * of lanes: the light of a pixel is summed in that order. */
 #include "render/dice.h"
 #include "render/kernels.h"
+#include "render/surface.h"
+#include "shade/material_lanes.h"
 
 #define GRAZING 1e-3f /* the sine of the least angle between a facet and a ray that leaves it */
 
-static daft_vec3 lane3(const daft_lanes3 *a, uint32_t i) { return daft_v3(a->x[i], a->y[i], a->z[i]); }
+typedef uint32_t vu __attribute__((vector_size(DAFT_VL * 4)));
 
-/* The normal of a facet that is seen (Dupuy, Benyoub, "Sampling Visible GGX Normals with Spherical Caps", HPG 2023);
+/* What is asked of a batch, and where its rays go. */
+typedef struct spawning {
+    const daft_snapshot *snapshot;
+    const daft_batch *b;
+    const daft_spawning *allowed;
+    const daft_varying *varying; /* NULL: no material of the batch's varies */
+} spawning;
+
+/* DAFT_VL points, from `first` on; those of `lanes` are there. */
+typedef struct window {
+    uint32_t first;
+    vbits lanes;
+    vf3 view, outward;
+} window;
+
+DAFT_INLINE vbits lanes_of(const daft_batch *b, uint32_t first) { return vbits_first_n((int)(b->count - first)); }
+
+DAFT_INLINE window window_at(const daft_batch *b, uint32_t first, vbits lanes)
+{
+    return (window){first, lanes, load3(&b->view, first), load3(&b->outward, first)};
+}
+
+DAFT_INLINE vf3 mul3(vf3 a, vf3 b) { return (vf3){a.x * b.x, a.y * b.y, a.z * b.z}; }
+
+/* The lanes in which some colour's weight is more than the least. */
+DAFT_INLINE vbits that_count(vf3 weight, float min)
+{
+    const vf least = vf_set(min);
+    return vbits_from_mask(vm_or(vm_or(vf_lt(least, weight.x), vf_lt(least, weight.y)), vf_lt(least, weight.z)));
+}
+
+/* ---- directions ---- */
+
+/* Which of the turns all round, and an even number in 0..1, of each point's pixel: as daft_dice_turn and
+ * daft_dice_part.
+ */
+DAFT_INLINE void throw_dice(const spawning *s, const window *w, vf *turn_x, vf *turn_y, vf *part)
+{
+    const daft_spawning *a = s->allowed;
+    vi place = vi_if_then_else(vm_from_bits(w->lanes), vi_load(&s->b->pixel[w->first]), vi_set(0));
+    if (a->place) place = vi_gather_index(a->place, place);
+    const uint32_t moved = DAFT_GOLDEN * a->round + 747796405u * a->salt;
+    const vu x = (vu)(place & vi_set(DAFT_TILE - 1)) + a->column, y = (vu)(place >> __builtin_ctz(DAFT_TILE)) + a->row;
+    const vu turn = x * DAFT_R2_X + y * DAFT_R2_Y + moved, radius = x * DAFT_R2_Y + y * DAFT_R2_X + 2 * moved;
+    const vi number = (vi)((turn + a->ray * DAFT_GOLDEN) >> (32 - DAFT_TURN_BITS)) * vi_set(2);
+    const float *turns = &a->turns[0].x;
+    *turn_x = vf_gather_index(turns, number), *turn_y = vf_gather_index(turns + 1, number);
+    *part = (vf_set((float)a->ray) + vf_convert_to((vi)(radius >> 8)) * vf_set(0x1p-24f)) / vf_set((float)a->rays);
+}
+
+/* As daft_axes_across. */
+DAFT_INLINE void axes_across(vf3 n, vf3 *a, vf3 *b)
+{
+    const vf one = vf_set(1), sign = vf_if_then_else(vf_lt(n.z, vf_set(0)), -one, one);
+    const vf p = -one / (sign + n.z), q = n.x * n.y * p;
+    *a = (vf3){one + sign * n.x * n.x * p, sign * q, -sign * n.x};
+    *b = (vf3){q, sign + n.y * n.y * p, -n.y};
+}
+
+/* The normals of facets that are seen (Dupuy, Benyoub, "Sampling Visible GGX Normals with Spherical Caps", HPG 2023);
  * the surface's own where that is smooth. */
-static daft_vec3 facet_at(const daft_batch *b, uint32_t i, float alpha, const daft_spawning *allowed)
+DAFT_INLINE vf3 facet_normals(const spawning *s, const window *w, vf alpha, vm rough)
 {
-    const daft_vec3 normal = lane3(&b->normal, i), view = lane3(&b->view, i);
-    if (!(alpha > 0) || !allowed->rough) return normal;
-    const uint32_t place = allowed->place ? allowed->place[b->pixel[i]] : b->pixel[i];
-    const daft_dice dice = daft_dice_throw(allowed->column + place % DAFT_TILE, allowed->row + place / DAFT_TILE,
-                                           allowed->round, allowed->salt);
-    const daft_vec2 turn = allowed->turns[daft_dice_turn(dice, allowed->ray)];
-    const float part = daft_dice_part(dice, allowed->ray, allowed->rays), up = daft_dot(view, normal);
-    daft_vec3 x, y;
-    daft_axes_across(normal, &x, &y);
-    const daft_vec3 v =
-        daft_normalize(daft_v3(alpha * daft_dot(view, x), alpha * daft_dot(view, y), up > GRAZING ? up : GRAZING));
-    const float z = (1 - part) * (1 + v.z) - v.z, across = z * z < 1 ? sqrtf(1 - z * z) : 0;
-    const float high = z + v.z > 1e-6f ? z + v.z : 1e-6f;
-    const daft_vec3 h = daft_v3(alpha * (across * turn.x + v.x), alpha * (across * turn.y + v.y), high);
-    return daft_normalize(daft_add(daft_add(daft_scale(x, h.x), daft_scale(y, h.y)), daft_scale(normal, h.z)));
+    const vf3 normal = load3(&s->b->normal, w->first);
+    if (!(vbits_from_mask(rough) & w->lanes)) return normal;
+    const vf zero = vf_set(0), one = vf_set(1), up = vf3_dot(w->view, normal), min = vf_set(GRAZING);
+    vf turn_x, turn_y, part;
+    vf3 x, y;
+    throw_dice(s, w, &turn_x, &turn_y, &part);
+    axes_across(normal, &x, &y);
+    const vf3 v = unit3((vf3){alpha * vf3_dot(w->view, x), alpha * vf3_dot(w->view, y), vf_max(up, min)});
+    const vf z = (one - part) * (one + v.z) - v.z, rest = one - z * z;
+    const vf across = vf_if_then_else(vf_lt(zero, rest), vf_sqrt(rest), zero);
+    const vf high = vf_max(z + v.z, vf_set(1e-6f));
+    const vf3 h = {alpha * (across * turn_x + v.x), alpha * (across * turn_y + v.y), high};
+    return select3(rough, unit3(add3(add3(scale3(x, h.x), scale3(y, h.y)), scale3(normal, h.z))), normal);
 }
 
-/* The mirrored direction; one that would enter the surface, which smooth normals can ask for, is bent to graze it, and
+/* The mirrored directions; one that would enter the surface, which smooth normals can ask for, is bent to graze it, and
  * by facets is mirrored once more. */
-static daft_vec3 mirrored(daft_vec3 view, daft_vec3 normal, daft_vec3 outward, bool rough)
+DAFT_INLINE vf3 mirrored(const window *w, vf3 normal, vm rough)
 {
-    daft_vec3 d = daft_sub(daft_scale(normal, 2 * daft_dot(normal, view)), view);
-    float under = daft_dot(d, outward);
-    if (rough && under < 0) d = daft_sub(d, daft_scale(outward, 2 * under)), under = -under;
-    if (under < GRAZING) d = daft_add(d, daft_scale(outward, GRAZING - under));
-    return daft_normalize(d);
+    const vf zero = vf_set(0), min = vf_set(GRAZING);
+    vf3 d = sub3(scale3(normal, vf_set(2) * vf3_dot(normal, w->view)), w->view);
+    vf under = vf3_dot(d, w->outward);
+    const vm again = vm_and(rough, vf_lt(under, zero));
+    d = select3(again, sub3(d, scale3(w->outward, vf_set(2) * under)), d);
+    under = vf_if_then_else(again, -under, under);
+    d = select3(vf_lt(under, min), add3(d, scale3(w->outward, min - under)), d);
+    return unit3(d);
 }
 
-/* What happens to a ray at a surface between two indices. */
+/* What happens to rays at a surface between two indices. */
 typedef struct interface {
-    float eta;    /* the index on the viewer's side over the one beyond */
-    float cosine; /* between the normal and the direction to the viewer, up to 1; more than 0, though smooth normals may
-                     face away */
-    float beyond; /* between the normal and the refracted ray; 0 where all is mirrored */
-    float fresnel; /* fraction that is mirrored */
+    vm straight; /* these are the same: nothing happens */
+    vf eta;      /* the index on the viewer's side over the one beyond */
+    vf cosine;   /* between the normal and the direction to the viewer, up to 1; more than 0, though smooth normals may
+                    face away */
+    vf beyond;   /* between the normal and the refracted ray; 0 where all is mirrored */
+    vf fresnel;  /* fraction that is mirrored */
 } interface;
 
-static interface interface_at(float eta, float cosine)
+DAFT_INLINE interface interface_at(vf eta, vf cosine)
 {
-    interface f = {eta, cosine > GRAZING ? (cosine < 1 ? cosine : 1) : GRAZING, 0, 1};
-    if (eta == 1) f.beyond = f.cosine, f.fresnel = 0;
-    float sine2 = eta * eta * (1 - f.cosine * f.cosine);
-    if (eta == 1 || !(sine2 < 1)) return f;
-    f.beyond = sqrtf(1 - sine2);
-    float across = (eta * f.cosine - f.beyond) / (eta * f.cosine + f.beyond);
-    float along = (f.cosine - eta * f.beyond) / (f.cosine + eta * f.beyond);
-    f.fresnel = 0.5f * (across * across + along * along);
+    const vf one = vf_set(1), zero = vf_set(0), min = vf_set(GRAZING);
+    interface f = {.straight = vi_eq((vi)eta, (vi)one), .eta = eta};
+    f.cosine = vf_if_then_else(vf_lt(min, cosine), vf_min(cosine, one), min);
+    const vf rest = one - eta * eta * (one - f.cosine * f.cosine);
+    const vm bends = vf_lt(zero, rest);
+    f.beyond = vf_if_then_else(bends, vf_sqrt(rest), zero);
+    const vf across = (eta * f.cosine - f.beyond) / (eta * f.cosine + f.beyond),
+             along = (f.cosine - eta * f.beyond) / (f.cosine + eta * f.beyond);
+    f.fresnel = vf_if_then_else(bends, vf_set(0.5f) * (across * across + along * along), one);
+    f.beyond = vf_if_then_else(f.straight, f.cosine, f.beyond);
+    f.fresnel = vf_if_then_else(f.straight, zero, f.fresnel);
     return f;
 }
 
 /* By Snell's law; not bent at all between equal indices, to the bit. */
-static daft_vec3 refracted(const interface *f, daft_vec3 view, daft_vec3 normal, daft_vec3 outward)
+DAFT_INLINE vf3 refracted(const window *w, const interface *f, vf3 normal)
 {
-    if (f->eta == 1) return daft_neg(view);
-    daft_vec3 d = daft_sub(daft_scale(normal, f->eta * f->cosine - f->beyond), daft_scale(view, f->eta));
-    float over = daft_dot(d, outward);
-    if (over > -GRAZING) d = daft_sub(d, daft_scale(outward, over + GRAZING));
-    return daft_normalize(d);
+    const vf min = vf_set(GRAZING);
+    vf3 d = sub3(scale3(normal, f->eta * f->cosine - f->beyond), scale3(w->view, f->eta));
+    const vf over = vf3_dot(d, w->outward);
+    d = select3(vf_lt(-min, over), sub3(d, scale3(w->outward, over + min)), d);
+    return select3(f->straight, flipped3(w->view), unit3(d));
 }
 
-static bool from_inside(const daft_snapshot *snapshot, const daft_batch *b, uint32_t i)
+/* ---- origins ---- */
+
+/* Triangles' corners in object space, x, y, z of one after the other, and the instances' to_frame. */
+typedef struct corners {
+    float at[9][DAFT_VL];
+    const float *map[DAFT_VL];
+    vbits triangles;
+} corners;
+
+static void fetch_corners(const spawning *s, uint32_t first, vbits lanes, corners *out)
 {
-    return daft_seen_from_inside(&snapshot->instances[b->instance[i]], b->triangle[i], lane3(&b->point, i),
-                                 lane3(&b->outward, i));
+    const uint32_t any = first + (uint32_t)__builtin_ctz(lanes);
+    out->triangles = 0;
+    for (uint32_t i = 0; i < DAFT_VL; i++) {
+        const uint32_t point = lanes >> i & 1 ? first + i : any;
+        const daft_instance *instance = &s->snapshot->instances[s->b->instance[point]];
+        const daft_trimesh *mesh = instance->mesh;
+        out->map[i] = (const float *)&instance->to_frame;
+        if (!mesh || !(lanes >> i & 1)) continue;
+        const uint32_t *corner = &mesh->indices[3 * (size_t)s->b->triangle[point]];
+        for (int k = 0; k < 3; k++) {
+            const uint32_t v = corner[k];
+            out->at[3 * k][i] = mesh->x[v], out->at[3 * k + 1][i] = mesh->y[v], out->at[3 * k + 2][i] = mesh->z[v];
+        }
+        out->triangles |= (vbits)1 << i;
+    }
 }
 
-/* `media`: that the ray is in; read where rays carry them. */
-static void add_ray(const daft_batch *b, uint32_t i, daft_vec3 origin, daft_vec3 d, daft_vec3 weight,
-                    const daft_media *media, daft_ray_batch *rays)
-{
-    uint32_t at = rays->count++;
-    rays->origin.x[at] = origin.x, rays->origin.y[at] = origin.y, rays->origin.z[at] = origin.z;
-    rays->direction.x[at] = d.x, rays->direction.y[at] = d.y, rays->direction.z[at] = d.z;
-    rays->weight.x[at] = weight.x, rays->weight.y[at] = weight.y, rays->weight.z[at] = weight.z;
-    rays->distance[at] = b->distance[i];
-    rays->pixel[at] = b->pixel[i];
-    if (rays->media) rays->media[at] = media[i];
-}
-
-static const daft_media *media_from(const daft_batch *b) { return b->media ? b->media->from : NULL; }
-static const daft_media *media_beyond(const daft_batch *b) { return b->media ? b->media->beyond : NULL; }
-
-static bool counts(daft_vec3 weight, float min) { return weight.x > min || weight.y > min || weight.z > min; }
-
-/* What moves a point that lies closer than `margin` to the sides of its triangle, or beyond one by rounding, away from
+/* What moves points that lie closer than `margin` to the sides of their triangles, or beyond one by rounding, away from
  * them. */
-static daft_vec3 off_sides(const daft_instance *instance, uint32_t triangle, daft_vec3 p, daft_vec3 normal,
-                           float margin)
+DAFT_INLINE vf3 off_sides(const corners *at, vf3 p, vf3 normal, vf margin)
 {
-    const daft_trimesh *mesh = instance->mesh;
-    const uint32_t *corner = &mesh->indices[3 * (size_t)triangle];
-    daft_vec3 c[3], shift = {0, 0, 0};
-    for (int k = 0; k < 3; k++)
-        c[k] =
-            daft_affine_point(&instance->to_frame, daft_v3(mesh->x[corner[k]], mesh->y[corner[k]], mesh->z[corner[k]]));
+    vf m[12];
+    vf3 c[3], shift = set3(daft_v3(0, 0, 0));
+    for (int k = 0; k < 12; k += 4) vf_gather_rows4(at->map, k, m + k);
+    for (int k = 0; k < 3; k++) { /* as daft_affine_point */
+        const vf x = vf_load(at->at[3 * k]), y = vf_load(at->at[3 * k + 1]), z = vf_load(at->at[3 * k + 2]);
+        c[k] = (vf3){((m[0] * x + m[1] * y) + m[2] * z) + m[9], ((m[3] * x + m[4] * y) + m[5] * z) + m[10],
+                     ((m[6] * x + m[7] * y) + m[8] * z) + m[11]};
+    }
     for (int k = 0; k < 3; k++) {
-        daft_vec3 a = c[k], in = daft_normalize(daft_cross(normal, daft_sub(c[(k + 1) % 3], a)));
-        if (daft_dot(in, daft_sub(c[(k + 2) % 3], a)) < 0) in = daft_neg(in);
-        float inside = daft_dot(in, daft_sub(p, a));
-        if (inside < margin) shift = daft_add(shift, daft_scale(in, margin - inside));
+        const vf3 in = unit3(cross3(normal, sub3(c[(k + 1) % 3], c[k])));
+        const vf other = vf3_dot(in, sub3(c[(k + 2) % 3], c[k])), own = vf3_dot(in, sub3(p, c[k]));
+        const vm away = vf_lt(other, vf_set(0));
+        const vf inside = vf_if_then_else(away, -own, own);
+        const vm near = vm_and(vf_lt(inside, margin), vm_from_bits(at->triangles));
+        const vf by = vf_if_then_else(away, inside - margin, margin - inside);
+        shift = select3(near, add3(shift, scale3(in, by)), shift);
     }
     return shift;
 }
 
-/* Batches hold points that lie off the surface by e along `outward` and e along `view`; this one lies e beyond it, and
- * half as much again for the roundings on the way. Within e of a facet's side it may lie across the neighbouring one,
- * inside when it is meant to be outside or the other way round; so it is moved away from sides by as much. */
-static daft_vec3 place_beyond(const daft_snapshot *snapshot, const daft_batch *b, uint32_t i)
+/* Batches hold points that lie off the surface by e along `outward` and e along `view`; these lie e beyond it, and half
+ * as much again for the roundings on the way. Within e of a facet's side they may lie across the neighbouring one,
+ * inside when they are meant to be outside or the other way round; so they are moved away from sides by as much. */
+static void place_beyond(const spawning *s, const window *w, vbits lanes, vf3 *out)
 {
-    const daft_instance *instance = &snapshot->instances[b->instance[i]];
-    daft_vec3 outward = lane3(&b->outward, i);
-    daft_vec3 p = lane3(&b->point, i);
-    float error = (fabsf(p.x) + fabsf(p.y) + fabsf(p.z) + b->extent[i]) * DAFT_SPAWN_ERROR;
-    daft_vec3 on = daft_sub(p, daft_scale(daft_add(outward, lane3(&b->view, i)), error));
-    if (instance->mesh) on = daft_add(on, off_sides(instance, b->triangle[i], on, outward, error));
-    return daft_sub(on, daft_scale(outward, 1.5f * error));
+    const vf3 p = load3(&s->b->point, w->first);
+    const vf error =
+        (vf_abs(p.x) + vf_abs(p.y) + vf_abs(p.z) + vf_load(&s->b->extent[w->first])) * vf_set(DAFT_SPAWN_ERROR);
+    vf3 on = sub3(p, scale3(add3(w->outward, w->view), error));
+    corners at;
+    fetch_corners(s, w->first, lanes, &at);
+    if (at.triangles) on = add3(on, off_sides(&at, on, w->outward, error));
+    *out = sub3(on, scale3(w->outward, vf_set(1.5f) * error));
 }
 
-/* A point that transmits: `mirror` is what its material mirrors besides. Where mirrored rays are not followed any more,
- * what can be refracted is, in full; what cannot still is mirrored, since that is the only way the light has. */
-static void divide(const daft_snapshot *snapshot, const daft_batch *b, uint32_t i, float alpha, daft_vec3 mirror,
-                   daft_vec3 weight, const daft_spawning *allowed, daft_ray_batch *mirror_rays,
-                   daft_ray_batch *refracted_rays)
+/* ---- rays ---- */
+
+static const daft_media *media_from(const daft_batch *b) { return b->media ? b->media->from : NULL; }
+static const daft_media *media_beyond(const daft_batch *b) { return b->media ? b->media->beyond : NULL; }
+
+/* `media`: of the batch's points, that the rays are in; read where rays carry them. */
+static void add_rays(const daft_batch *b, const window *w, vbits lanes, vf3 origin, vf3 d, vf3 weight,
+                     const daft_media *media, daft_ray_batch *rays)
 {
-    const daft_surface *material = &snapshot->materials[b->material[i]];
-    const bool rough = allowed->rough && alpha > 0;
-    daft_vec3 view = lane3(&b->view, i), outward = lane3(&b->outward, i);
-    daft_vec3 normal = facet_at(b, i, alpha, allowed);
-    float eta = b->media ? b->media->eta[i] : from_inside(snapshot, b, i) ? material->index : 1 / material->index;
-    interface f = interface_at(eta, daft_dot(normal, view));
-    if (!allowed->mirrors && f.fresnel < 1) f.fresnel = 0;
-    float fraction = material->transmission * f.fresnel;
-    daft_vec3 back = daft_mul(weight, daft_add(mirror, daft_v3(fraction, fraction, fraction)));
-    if (counts(back, allowed->min))
-        add_ray(b, i, lane3(&b->point, i), mirrored(view, normal, outward, rough), back, media_from(b), mirror_rays);
-    daft_vec3 on = daft_mul(weight, daft_scale(material->transmittance, 1 - f.fresnel));
-    if (counts(on, allowed->min))
-        add_ray(b, i, place_beyond(snapshot, b, i), refracted(&f, view, normal, outward), on, media_beyond(b),
-                refracted_rays);
+    uint32_t at = rays->count;
+    compress3(&rays->origin, at, lanes, origin);
+    compress3(&rays->direction, at, lanes, d);
+    compress3(&rays->weight, at, lanes, weight);
+    vf_compress_store(&rays->distance[at], lanes, vf_load(&b->distance[w->first]));
+    vi_compress_store(&rays->pixel[at], lanes, vi_load(&b->pixel[w->first]));
+    rays->count += (uint32_t)__builtin_popcount(lanes);
+    for (vbits left = rays->media ? lanes : 0; left; left &= left - 1)
+        rays->media[at++] = media[w->first + (uint32_t)__builtin_ctz(left)];
 }
 
-/* What a surface that blends does not cover: straight on. */
-static void pass_through(const daft_snapshot *snapshot, const daft_batch *b, uint32_t i, daft_vec3 weight, float min,
-                         daft_ray_batch *rays)
+/* The lanes in which a surface lies within a medium that wins: it is not there. */
+DAFT_INLINE vbits passed_by(const daft_batch *b, uint32_t first)
 {
-    const daft_vec3 left = daft_scale(weight, 1 - b->varying->opacity[i]);
-    if (counts(left, min))
-        add_ray(b, i, place_beyond(snapshot, b, i), daft_neg(lane3(&b->view, i)), left, media_from(b), rays);
+    return b->media ? vbits_from_mask(vi_eq(vi_load(&b->media->eta[first]), vi_set(0))) : 0;
 }
 
-/* A surface within a medium that wins: it is not there. */
-static void pass_by(const daft_snapshot *snapshot, const daft_batch *b, uint32_t i, float min, daft_ray_batch *rays)
+/* What goes straight on: past surfaces that are not there, and what those that blend do not cover. */
+static void spawn_straight(const spawning *s, daft_ray_batch *rays)
 {
-    const daft_vec3 weight = lane3(&b->weight, i);
-    if (rays && counts(weight, min))
-        add_ray(b, i, place_beyond(snapshot, b, i), daft_neg(lane3(&b->view, i)), weight, media_beyond(b), rays);
+    const daft_batch *b = s->b;
+    const bool blends = b->traits & DAFT_TRAIT_BLEND;
+    for (uint32_t i = 0; i < b->count; i += DAFT_VL) {
+        const vbits all = lanes_of(b, i), by = s->allowed->refracts ? passed_by(b, i) & all : 0;
+        const vf3 weight = load3(&b->weight, i);
+        vf left = vf_set(1);
+        vbits through = 0;
+        if (blends) {
+            const vf opacity = vf_load(&s->varying->opacity[i]);
+            through = vbits_from_mask(vf_lt(opacity, vf_set(1))) & all & ~passed_by(b, i);
+            left = vf_if_then_else(vm_from_bits(through), vf_set(1) - opacity, left);
+        }
+        const vf3 rest = scale3(weight, left);
+        const vbits lanes = (by | through) & that_count(rest, s->allowed->min);
+        if (!lanes) continue;
+        const window w = window_at(b, i, lanes);
+        vf3 origin;
+        place_beyond(s, &w, lanes, &origin);
+        const uint32_t at = rays->count;
+        add_rays(b, &w, lanes, origin, flipped3(w.view), rest, media_from(b), rays);
+        for (vbits last = by & lanes; last; last &= last - 1) {
+            const uint32_t lane = (uint32_t)__builtin_ctz(last);
+            rays->media[at + (uint32_t)__builtin_popcount(lanes & ((1u << lane) - 1))] = b->media->beyond[i + lane];
+        }
+    }
+}
+
+/* How much of each surface is there. */
+DAFT_INLINE vf opacity_at(const spawning *s, uint32_t first)
+{
+    return s->b->traits & DAFT_TRAIT_BLEND ? vf_load(&s->varying->opacity[first]) : vf_set(1);
+}
+
+/* Of points that transmit, `through`: where mirrored rays are not followed any more, what can be refracted is, in full;
+ * what cannot still is mirrored, since that is the only way the light has. Changes what is mirrored, `mirror`, and
+ * gives what happens at the surface. */
+DAFT_INLINE interface divide(const spawning *s, const window *w, const material_reader *m, vbits through, vf3 normal,
+                             vf3 *mirror)
+{
+    const daft_batch *b = s->b;
+    const vf index = MATERIAL_WORD(m, index);
+    const vm inside = vi_eq(vi_load(&b->inner[w->first]), vi_set(1));
+    const vf eta = b->media ? vf_load(&b->media->eta[w->first]) : vf_if_then_else(inside, index, vf_set(1) / index);
+    interface f = interface_at(eta, vf3_dot(normal, w->view));
+    if (!s->allowed->mirrors) f.fresnel = vf_if_then_else(vf_lt(f.fresnel, vf_set(1)), vf_set(0), f.fresnel);
+    const vf fraction = MATERIAL_WORD(m, transmission) * f.fresnel * opacity_at(s, w->first);
+    const vf3 all = {mirror->x + fraction, mirror->y + fraction, mirror->z + fraction};
+    *mirror = select3(vm_from_bits(through), all, *mirror);
+    return f;
+}
+
+/* The rays of DAFT_VL points whose surfaces are there. `refracted_rays` NULL: none is followed. */
+static void spawn_bent(const spawning *s, uint32_t i, vbits lanes, daft_ray_batch *mirror_rays,
+                       daft_ray_batch *refracted_rays)
+{
+    const daft_batch *b = s->b;
+    const daft_spawning *allowed = s->allowed;
+    const material_reader m = read_materials(b, s->snapshot->materials, i);
+    const vf zero = vf_set(0), alpha = s->varying ? vf_load(&s->varying->alpha[i]) : MATERIAL_WORD(&m, alpha);
+    const vm rough = vm_and(vf_lt(zero, alpha), vm_from_bits(allowed->rough ? DAFT_ALL_LANES : 0));
+    if (allowed->ray) lanes &= vbits_from_mask(rough);
+    vf3 mirror = set3(daft_v3(0, 0, 0)), weight = load3(&b->weight, i);
+    if (allowed->mirrors) mirror = s->varying ? load3(&s->varying->mirror, i) : MATERIAL_COLOR(&m, mirror);
+    if (allowed->rays > 1) weight = select3(rough, scale3(weight, vf_set(1 / (float)allowed->rays)), weight);
+    const vbits through = refracted_rays ? vbits_from_mask(vf_lt(zero, MATERIAL_WORD(&m, transmission))) & lanes : 0;
+    const vbits some = through | (lanes & that_count(mul3(weight, mirror), allowed->min));
+    if (!some) return;
+    const window w = window_at(b, i, some);
+    const vf3 normal = facet_normals(s, &w, alpha, rough);
+    interface f;
+    if (through) f = divide(s, &w, &m, through, normal, &mirror);
+    const vf3 back = mul3(weight, mirror);
+    const vbits mirrors = some & that_count(back, allowed->min);
+    if (mirrors)
+        add_rays(b, &w, mirrors, load3(&b->point, i), mirrored(&w, normal, rough), back, media_from(b), mirror_rays);
+    if (!through) return;
+    const vf passed = (vf_set(1) - f.fresnel) * opacity_at(s, i);
+    const vf3 on = mul3(weight, scale3(MATERIAL_COLOR(&m, transmittance), passed));
+    const vbits refracts = through & that_count(on, allowed->min);
+    if (!refracts) return;
+    vf3 origin;
+    place_beyond(s, &w, refracts, &origin);
+    add_rays(b, &w, refracts, origin, refracted(&w, &f, normal), on, media_beyond(b), refracted_rays);
 }
 
 static void spawn(const daft_snapshot *snapshot, const daft_batch *b, const daft_spawning *allowed,
-                  daft_ray_batch *mirror_rays, daft_ray_batch *refracted_rays)
+                  daft_ray_batch *mirror_rays, daft_ray_batch *refracted_rays, daft_ray_batch *straight_rays)
 {
-    const float share = 1 / (float)allowed->rays;
-    const daft_varying *varying = b->traits & DAFT_TRAIT_VARIES ? b->varying : NULL;
-    const bool blends = b->traits & DAFT_TRAIT_BLEND && refracted_rays && allowed->ray == 0;
+    const spawning s = {snapshot, b, allowed, b->traits & DAFT_TRAIT_VARIES ? b->varying : NULL};
     mirror_rays->count = 0;
     if (refracted_rays) refracted_rays->count = 0;
-    for (uint32_t i = 0; i < b->count; i++) {
-        const daft_surface *material = &snapshot->materials[b->material[i]];
-        const float alpha = varying ? varying->alpha[i] : material->alpha;
-        const bool rough = allowed->rough && alpha > 0;
-        if (b->media && b->media->eta[i] == 0) {
-            if (allowed->ray == 0) pass_by(snapshot, b, i, allowed->min, allowed->refracts ? refracted_rays : NULL);
-            continue;
-        }
-        if (blends && varying->opacity[i] < 1)
-            pass_through(snapshot, b, i, lane3(&b->weight, i), allowed->min, refracted_rays);
-        if (allowed->ray && !rough) continue;
-        daft_vec3 weight = rough ? daft_scale(lane3(&b->weight, i), share) : lane3(&b->weight, i);
-        const daft_vec3 own = varying ? lane3(&varying->mirror, i) : material->mirror;
-        daft_vec3 mirror = allowed->mirrors ? own : daft_v3(0, 0, 0);
-        if (refracted_rays && allowed->refracts && material->transmission > 0) {
-            divide(snapshot, b, i, alpha, mirror, weight, allowed, mirror_rays, refracted_rays);
-            continue;
-        }
-        weight = daft_mul(weight, mirror);
-        if (!counts(weight, allowed->min)) continue;
-        const daft_vec3 normal = facet_at(b, i, alpha, allowed);
-        daft_vec3 d = mirrored(lane3(&b->view, i), normal, lane3(&b->outward, i), rough);
-        add_ray(b, i, lane3(&b->point, i), d, weight, media_from(b), mirror_rays);
-    }
+    if (straight_rays) straight_rays->count = 0;
+    if (straight_rays && allowed->ray == 0 && (b->media || b->traits & DAFT_TRAIT_BLEND))
+        spawn_straight(&s, straight_rays);
+    for (uint32_t i = 0; i < b->count; i += DAFT_VL)
+        spawn_bent(&s, i, lanes_of(b, i) & ~passed_by(b, i), mirror_rays, allowed->refracts ? refracted_rays : NULL);
 }
 
 const daft_render_kernels DAFT_KERNEL(daft_render) = {.surfaces = DAFT_KERNEL(daft_surfaces),

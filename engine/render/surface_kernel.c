@@ -20,7 +20,7 @@ enum {
     WANT_SHADOW = 1,  /* the shadow origin and the facet's normal */
     WANT_VIEW = 2,    /* the direction to the viewer */
     WANT_TEXTURE = 4, /* uv and the footprint */
-    WANT_PATH = 8,    /* what rays that go on need: weight, reach, spawn error */
+    WANT_PATH = 8,    /* what rays that go on need: weight, reach, spawn error, which side is seen */
     WANT_DISTANCE = 16,
     WANT_COLOR = 32,   /* the vertices' colour */
     WANT_TANGENT = 64, /* where u and v grow */
@@ -209,8 +209,10 @@ DAFT_INLINE void meet_spheres(const window *r, sort s, uint32_t wants, meeting *
                      scale3(row[2], -local.z * local.y));
         }
     }
-    vf side = vf_if_then_else(vf_lt(vf_set(0), vf3_dot(normal, d)), vf_set(-1), vf_set(1));
+    const vm inner = vf_lt(vf_set(0), vf3_dot(normal, d));
+    const vf side = vf_if_then_else(inner, vf_set(-1), vf_set(1));
     m->normal = m->outward = scale3(normal, side);
+    m->word = vi_if_then_else(inner, m->word | vi_set(FACET_INNER), m->word & ~vi_set(FACET_INNER));
 }
 
 DAFT_INLINE void take_spheres(const window *r, sort s, vbits spheres, uint32_t wants, meeting *m)
@@ -218,6 +220,7 @@ DAFT_INLINE void take_spheres(const window *r, sort s, vbits spheres, uint32_t w
     meeting b = *m;
     vm which = vm_from_bits(spheres);
     meet_spheres(r, s, wants, &b);
+    m->word = vi_if_then_else(which, b.word, m->word);
     m->point = select3(which, b.point, m->point), m->shadow_origin = select3(which, b.shadow_origin, m->shadow_origin);
     m->normal = select3(which, b.normal, m->normal), m->outward = select3(which, b.outward, m->outward);
     m->size = vf_if_then_else(which, b.size, m->size), m->density = vf_if_then_else(which, b.density, m->density);
@@ -228,11 +231,45 @@ DAFT_INLINE void take_spheres(const window *r, sort s, vbits spheres, uint32_t w
     m->tangent = select3(which, b.tangent, m->tangent), m->bitangent = select3(which, b.bitangent, m->bitangent);
 }
 
+DAFT_INLINE vf3 at3(const vf *part, int k) { return (vf3){part[k], part[k + 1], part[k + 2]}; }
+DAFT_INLINE void put3(vf *part, int k, vf3 a) { part[k] = a.x, part[k + 1] = a.y, part[k + 2] = a.z; }
+
+/* The normal of triangles without area, on the side of their normals: it points along the ray. */
+DAFT_INLINE vf3 normal_of_none(const window *r, vbits smooth)
+{
+    vf3 sum = set3(daft_v3(0, 0, 0));
+    const vf3 back = flipped3(unit3(r->direction));
+    if (!smooth) return back;
+    for (int k = 0; k < 3; k++) sum = add3(sum, at3(r->part, FACET_NORMAL + 3 * k));
+    return flip3(back, vm_and(vm_from_bits(smooth), vf_lt(vf3_dot(sum, back), vf_set(0))));
+}
+
+/* Turns facets to where their rays begin, and finds what else hangs on that. Spheres lose their first parts. */
+DAFT_INLINE void face_rays(window *r, vbits smooth, vi *word)
+{
+    const vf3 corner[3] = {at3(r->part, FACET_FIRST), at3(r->part, FACET_OTHERS), at3(r->part, FACET_OTHERS + 3)};
+    vf3 outward = at3(r->part, FACET_OUTWARD);
+    const vm some = vf_lt(vf_set(0), vf3_dot(outward, outward));
+    if (vbits_from_mask(some) != DAFT_ALL_LANES) outward = select3(some, outward, normal_of_none(r, smooth));
+    const vf height = plane_height(outward, corner[0], r->origin);
+    const vm behind = vf_lt(vf_set(0), height);
+    put3(r->part, FACET_OUTWARD, flip3(outward, behind));
+    corner_range(corner, r->origin, r->direction, &r->part[FACET_LEAST], &r->part[FACET_MOST]);
+    r->part[FACET_HEIGHT] = vf_if_then_else(behind, -height, height);
+    *word = vi_if_then_else(behind, *word ^ vi_set(FACET_INNER), *word);
+    for (int k = 0; smooth && k < 3; k++)
+        put3(r->part, FACET_NORMAL + 3 * k, flip3(at3(r->part, FACET_NORMAL + 3 * k), behind));
+}
+
 /* rows: the number of each ray's row. */
 DAFT_INLINE void load_parts(window *r, const daft_facets *f, const int32_t *rows, int from, int end)
 {
     enum { EIGHTS = DAFT_FACET_FLOATS / 8 };
     int32_t eighth[DAFT_VL];
+    if (r->row) {
+        for (int k = 8 * from; k < 8 * end; k++) r->part[k] = vf_set(r->row[k]);
+        return;
+    }
     vi_store(eighth, vi_load(rows) * vi_set(EIGHTS));
     for (int k = from; k < end; k++) vf_gather_rows8(f->row[0] + 8 * k, eighth, r->part + 8 * k);
 }
@@ -245,11 +282,21 @@ DAFT_INLINE void meet_mixed(window *r, bool camera, const daft_facets *f, const 
     m->word = (vi)r->part[FACET_WORD];
     vbits smooth = vbits_from_mask(vi_lt(m->word, vi_set(0)));
     vbits spheres = vbits_from_mask(vi_eq(m->word & vi_set(FACET_SPHERE), vi_set(FACET_SPHERE)));
-    if ((smooth | spheres) || (wants & (WANT_TEXTURE | WANT_COLOR))) load_parts(r, f, rows, 1, 5);
+    const bool more = (smooth | spheres) || (wants & (WANT_TEXTURE | WANT_COLOR));
+    if (more || !camera) load_parts(r, f, rows, 1, more ? 5 : 2);
     if (wants & (WANT_TEXTURE | WANT_COLOR)) load_parts(r, f, rows, 5, 6);
     m->density = m->u = m->v = vf_set(0);
+    if (spheres == DAFT_ALL_LANES) {
+        meet_spheres(r, s, wants, m);
+        return;
+    }
+    vf ball[SPHERE_RADIUS + 1];
+    for (int k = 0; k <= SPHERE_RADIUS; k++) ball[k] = r->part[k];
+    if (!camera) face_rays(r, smooth, &m->word);
     meet_facets(r, s, smooth, wants, m);
-    if (spheres) take_spheres(r, s, spheres, wants, m);
+    if (!spheres) return;
+    for (int k = 0; k <= SPHERE_RADIUS; k++) r->part[k] = ball[k];
+    take_spheres(r, s, spheres, wants, m);
 }
 
 /* Gives whether it has one normal. */
@@ -299,7 +346,9 @@ DAFT_INLINE void store_meeting(const meeting *m, vf3 direction, vf3 normal, vf r
     if (wants & WANT_ALPHA) vf_store(&b->varying->opacity[at], m->alpha);
     if (wants & WANT_TANGENT)
         store3(&b->varying->tangent, at, m->tangent), store3(&b->varying->bitangent, at, m->bitangent);
-    if (wants & WANT_PATH) vf_store(&b->extent[at], m->size);
+    if (!(wants & WANT_PATH)) return;
+    vf_store(&b->extent[at], m->size);
+    vi_store(&b->inner[at], (m->word >> __builtin_ctz(FACET_INNER)) & vi_set(1));
 }
 
 /* ---- footprints ---- */
@@ -341,11 +390,6 @@ DAFT_INLINE vf3 onto_surface(vf3 a, vf3 outward, vf3 unit)
 typedef struct gradients {
     vf3 u, v;
 } gradients;
-
-DAFT_INLINE vf3 cross3(vf3 a, vf3 b)
-{
-    return (vf3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
 
 DAFT_INLINE gradients facet_gradients(const window *r, sort s, vf3 outward)
 {
@@ -456,6 +500,7 @@ static void visible_points(const daft_pencil *p, const daft_vec3 *first, const d
             if (flat && kept.slot != slots[0]) kept = (flat_normal){slots[0], unit3(m.normal)};
             normal = flat ? kept.unit : unit3(m.normal);
         } else {
+            r.row = NULL;
             meet_mixed(&r, true, f, slots, wants, &m);
             normal = unit3(m.normal);
         }
@@ -498,70 +543,106 @@ void DAFT_KERNEL(daft_listed_surfaces)(const daft_surfaces_def *def, const daft_
 
 /* ---- hits of rays that were followed ---- */
 
-/* Appends the hits' rays, the origins for points, and lists what they hit. */
-static void take_hits(const daft_snapshot *snapshot, const daft_ray_batch *from, uint32_t first, const daft_hit *hits,
-                      uint32_t count, daft_facets *f, daft_batch *b)
+static void take_rays(const daft_ray_batch *from, uint32_t ray, vbits lanes, uint32_t at, daft_batch *b)
 {
-    for (uint32_t i = 0; i < count; i++) {
-        const daft_hit *hit = &hits[i];
-        if (hit->instance == UINT32_MAX) continue;
-        uint32_t ray = first + i, slot = f->count++, at = b->count + slot;
-        f->instance[slot] = hit->instance;
-        f->triangle[slot] = snapshot->instances[hit->instance].mesh ? hit->triangle : 0;
-        b->point.x[at] = from->origin.x[ray], b->point.y[at] = from->origin.y[ray],
-        b->point.z[at] = from->origin.z[ray];
-        b->view.x[at] = from->direction.x[ray], b->view.y[at] = from->direction.y[ray],
-        b->view.z[at] = from->direction.z[ray];
-        b->weight.x[at] = from->weight.x[ray], b->weight.y[at] = from->weight.y[ray],
-        b->weight.z[at] = from->weight.z[ray];
-        b->u[at] = hit->u, b->v[at] = hit->v, b->footprint[at] = hit->t;
-        b->distance[at] = from->distance[ray] + hit->t;
-        b->pixel[at] = from->pixel[ray];
-        b->instance[at] = f->instance[slot], b->triangle[at] = f->triangle[slot];
-        if (from->media) b->media->from[at] = from->media[ray];
+    if (!lanes) return;
+    compress3(&b->point, at, lanes, load3(&from->origin, ray));
+    compress3(&b->view, at, lanes, load3(&from->direction, ray));
+    compress3(&b->weight, at, lanes, load3(&from->weight, ray));
+    vf_compress_store(&b->distance[at], lanes, vf_load(&from->distance[ray]));
+    vi_compress_store(&b->pixel[at], lanes, vi_load(&from->pixel[ray]));
+}
+
+static void take_sky(const daft_ray_batch *from, uint32_t ray, vbits lanes, daft_ray_batch *sky)
+{
+    if (!lanes) return;
+    compress3(&sky->direction, sky->count, lanes, load3(&from->direction, ray));
+    compress3(&sky->weight, sky->count, lanes, load3(&from->weight, ray));
+    vi_compress_store(&sky->pixel[sky->count], lanes, vi_load(&from->pixel[ray]));
+    sky->count += (uint32_t)__builtin_popcount(lanes);
+}
+
+/* Appends the hits' rays, the origins for points, and lists what they hit, each facet once. */
+static void take_hits(const daft_snapshot *snapshot, const daft_ray_batch *from, uint32_t first, const daft_hit *hits,
+                      uint32_t count, daft_facets *f, daft_batch *b, daft_ray_batch *sky)
+{
+    finder known = {.snapshot = snapshot, .facets = f};
+    uint32_t at = b->count, last = UINT32_MAX, last_triangle = 0, triangle = 0;
+    int32_t slot = 0;
+    for (uint32_t i = 0; i < count; i += DAFT_VL) {
+        const uint32_t begin = at, ray = first + i, end = daft_min_u(DAFT_VL, count - i);
+        vbits lanes = 0;
+        for (uint32_t k = 0; k < end; k++) {
+            const daft_hit *hit = &hits[i + k];
+            if (hit->instance == UINT32_MAX) continue;
+            if (hit->instance != last || hit->triangle != last_triangle) {
+                last = hit->instance, last_triangle = hit->triangle;
+                triangle = snapshot->instances[last].mesh ? last_triangle : 0;
+                slot = find_slot(&known, last, triangle);
+            }
+            b->u[at] = hit->u, b->v[at] = hit->v, b->footprint[at] = hit->t;
+            b->instance[at] = last, b->triangle[at] = triangle, f->slot[at - b->count] = slot;
+            if (from->media) b->media->from[at] = from->media[ray + k];
+            lanes |= (vbits)1 << k, at++;
+        }
+        take_rays(from, ray, lanes, begin, b);
+        if (sky) take_sky(from, ray, vbits_first_n((int)end) & ~lanes, sky);
     }
+    b->count = at;
 }
 
 /* Lanes past the last hit repeat it: all that a register reads was written. */
-static void repeat_last(const daft_facets *f, daft_batch *b)
+static void repeat_last(daft_batch *b, uint32_t first, int32_t *slots)
 {
-    uint32_t last = b->count + f->count - 1, end = b->count + (f->count + DAFT_VL - 1) / DAFT_VL * DAFT_VL;
+    const uint32_t last = b->count - 1, end = first + (b->count - first + DAFT_VL - 1) / DAFT_VL * DAFT_VL;
     float *all[] = {b->point.x, b->point.y, b->point.z, b->view.x,    b->view.y,
                     b->view.z,  b->u,       b->v,       b->footprint, b->distance};
     for (size_t k = 0; k < DAFT_COUNT_OF(all); k++)
         for (uint32_t at = last + 1; at < end; at++) all[k][at] = all[k][last];
+    for (uint32_t at = last + 1; at < end; at++) slots[at - first] = slots[last - first];
+}
+
+static void setup_hit(const daft_snapshot *snapshot, daft_facets *f)
+{
+    f->traits = 0, f->last_material = UINT32_MAX;
+    DAFT_KERNEL(daft_facets_fetch)(snapshot, f, 0);
+    for (uint32_t i = 0; i < f->count; i += DAFT_VL) {
+        DAFT_KERNEL(daft_facets_fetch)(snapshot, f, i + DAFT_VL);
+        DAFT_KERNEL(daft_facets_setup)(snapshot, f, i, daft_min_u(DAFT_VL, f->count - i), NULL);
+    }
 }
 
 void DAFT_KERNEL(daft_hit_points)(const daft_snapshot *snapshot, const daft_ray_batch *rays, uint32_t first,
-                                  const daft_hit *hits, uint32_t count, daft_facets *facets, daft_batch *points)
+                                  const daft_hit *hits, uint32_t count, daft_facets *facets, daft_batch *points,
+                                  daft_ray_batch *sky)
 {
-    const uint32_t wants = WANT_SHADOW | WANT_VIEW | WANT_TEXTURE | WANT_PATH | WANT_DISTANCE |
+    const uint32_t begin = points->count;
+    window r = {.row = NULL}; /* as in visible_points */
+    facets->count = 0;
+    take_hits(snapshot, rays, first, hits, count, facets, points, sky);
+    if (points->count == begin) return;
+    repeat_last(points, begin, facets->slot);
+    setup_hit(snapshot, facets);
+    const bool textured = facets->tangents || facets->traits & (DAFT_TRAIT_TEXTURE | DAFT_TRAIT_MAPS);
+    const uint32_t wants = WANT_SHADOW | WANT_VIEW | WANT_PATH | WANT_DISTANCE | (textured ? WANT_TEXTURE : 0u) |
                            (facets->colors ? WANT_COLOR : 0u) | (facets->fades ? WANT_ALPHA : 0u) |
                            (facets->tangents ? WANT_TANGENT : 0u);
-    facets->count = 0, facets->traits = 0, facets->last_material = UINT32_MAX;
-    take_hits(snapshot, rays, first, hits, count, facets, points);
-    if (facets->count) repeat_last(facets, points);
-    for (uint32_t i = 0; i < facets->count; i += DAFT_VL) {
-        uint32_t at = points->count + i;
-        int32_t slots[DAFT_VL];
-        vf3 direction = load3(&points->view, at);
-        window r;
+    for (uint32_t at = begin; at < points->count; at += DAFT_VL) {
+        const int32_t *slots = &facets->slot[at - begin];
+        const vf3 direction = load3(&points->view, at);
         meeting m;
         r.origin = load3(&points->point, at), r.direction = direction;
         r.u = vf_load(&points->u[at]), r.v = vf_load(&points->v[at]), r.t = vf_load(&points->footprint[at]);
-        vi own = vi_iota() + vi_set((int32_t)i), last = vi_set((int32_t)facets->count - 1);
-        vi_store(slots, vi_if_then_else(vi_lt(own, last), own, last));
-        const facet_rays lanes = {r.origin, direction, direction};
-        DAFT_KERNEL(daft_facets_setup)(snapshot, facets, i, daft_min_u(DAFT_VL, facets->count - i), &lanes);
+        const bool uniform = vbits_from_mask(vi_eq(vi_load(slots), vi_set(slots[0]))) == DAFT_ALL_LANES;
+        r.row = uniform ? facets->row[slots[0]] : NULL;
         meet_mixed(&r, false, facets, slots, wants, &m);
-        const vf reach = vf_load(&points->distance[at]);
+        const vf reach = vf_load(&points->distance[at]) + r.t;
         store_meeting(&m, direction, unit3(m.normal), reach, snapshot->focal, wants, points, at);
-        if (points->footprints) {
+        if (points->footprints && textured) {
             const window hit_rays = r;
             const meeting met = m;
             cone_footprint(&hit_rays, &met, reach, snapshot->focal, points, at);
         }
     }
-    points->count += facets->count;
     points->traits |= facets->traits;
 }

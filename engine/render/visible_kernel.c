@@ -2,38 +2,6 @@
  * triangle or sphere that several windows see becomes one facet. surface_kernel.c makes surfaces of them. */
 #include "render/surface.h"
 
-enum { FINDER = 256 };
-
-/* A cache from instance and triangle to facet, by hash: a triangle of several windows is set up once. */
-typedef struct finder {
-    const daft_snapshot *snapshot;
-    daft_facets *facets;
-    uint16_t slot[FINDER];
-} finder;
-
-/* Instances may stand anywhere in memory, too; numbers of corners are what is read first of a triangle. */
-DAFT_INLINE void prefetch_facet(const daft_instance *s, uint32_t triangle)
-{
-    __builtin_prefetch(&s->to_object), __builtin_prefetch(&s->materials);
-    if (!s->mesh) return;
-    __builtin_prefetch(&s->mesh->indices[3 * (size_t)triangle]);
-    if (s->mesh->normal_indices) __builtin_prefetch(&s->mesh->normal_indices[3 * (size_t)triangle]);
-}
-
-/* No branch hangs on whether the facet is a new one, which would be guessed wrong every other time. */
-DAFT_INLINE int32_t find_slot(finder *f, uint32_t instance, uint32_t triangle)
-{
-    daft_facets *list = f->facets;
-    uint32_t hash = (triangle * 0x9e3779b1u + instance * 0x85ebca6bu) >> 24, slot = f->slot[hash], fresh = list->count;
-    bool known = (slot < fresh) & (list->instance[slot] == instance) & (list->triangle[slot] == triangle);
-    list->instance[fresh] = instance, list->triangle[fresh] = triangle;
-    list->count = fresh + !known;
-    slot = known ? slot : fresh;
-    f->slot[hash] = (uint16_t)slot;
-    prefetch_facet(&f->snapshot->instances[instance], triangle);
-    return (int32_t)slot;
-}
-
 /* Bits of the pixels of a row, from `at` on, that are the last of a run that sees one facet; `count` of them count. */
 DAFT_INLINE vbits run_ends(const daft_tile *tile, int at, int count)
 {

@@ -4,7 +4,7 @@
 
 #include "math/simd/dispatch.h"
 #include "math/simd/elementary.h"
-#include "shade/shade.h"
+#include "shade/material_lanes.h"
 
 bool DAFT_KERNEL(daft_albedo)(daft_batch *batch, const daft_surface *materials, const daft_texture_data *textures,
                               daft_texture_filter filter);
@@ -63,35 +63,5 @@ DAFT_INLINE vf3 times_albedo(const daft_batch *batch, uint32_t i, vf3 a)
 
 /* The bits of DAFT_VL points from point i on; i is a multiple of DAFT_VL. */
 DAFT_INLINE vbits bits_at(const uint32_t *bits, uint32_t i) { return bits[i / 32] >> (i % 32) & DAFT_ALL_LANES; }
-
-/* Reads a member of the points' materials: one broadcast where all DAFT_VL points share one, else a gather. */
-typedef struct material_reader {
-    const float *base;
-    vi offset;
-    bool same;
-    uint32_t first;
-} material_reader;
-
-enum { SURFACE_WORDS = sizeof(daft_surface) / sizeof(float) };
-_Static_assert(sizeof(daft_surface) == SURFACE_WORDS * sizeof(float), "materials are gathered by words");
-
-DAFT_INLINE material_reader read_materials(const daft_batch *batch, const daft_surface *materials, uint32_t i)
-{
-    if (batch->one_material) return (material_reader){(const float *)materials, vi_set(0), true, batch->material[0]};
-    uint32_t left = batch->count - i, first = batch->material[i];
-    vi numbers = vi_load(&batch->material[i]);
-    vbits used = vbits_first_n(left > DAFT_VL ? DAFT_VL : (int)left);
-    bool same = (vbits_from_mask(vi_eq(numbers, vi_set((int32_t)first))) & used) == used;
-    numbers = vi_if_then_else(vm_from_bits(used), numbers, vi_set((int32_t)first));
-    return (material_reader){(const float *)materials, numbers * vi_set(SURFACE_WORDS), same, first};
-}
-DAFT_INLINE vf material_word(const material_reader *r, size_t word)
-{
-    if (r->same) return vf_set(r->base[r->first * SURFACE_WORDS + word]);
-    return vf_gather_index(r->base + word, r->offset);
-}
-#define MATERIAL_WORD(reader, member) material_word(reader, offsetof(daft_surface, member) / sizeof(float))
-#define MATERIAL_COLOR(reader, member)                                                                                 \
-    ((vf3){MATERIAL_WORD(reader, member.x), MATERIAL_WORD(reader, member.y), MATERIAL_WORD(reader, member.z)})
 
 #endif

@@ -1,6 +1,7 @@
 /* shade: what a surface does with light: materials, textures, light sources, sky, Lambert and Phong, and the encoding
  * to sRGB. All are functions of points in lanes: a batch in, a batch out, no state. Promises: linear light; the same
- * bits on every instruction set; no rays: the caller says which points a light reaches. Public headers: shade.h */
+ * bits on every instruction set; no rays: the caller says which points a light reaches. Public headers: shade.h
+ * material_lanes.h */
 #ifndef DAFT_SHADE_H
 #define DAFT_SHADE_H
 
@@ -226,6 +227,7 @@ typedef struct daft_batch {
     uint32_t material[DAFT_BATCH_ROOM];
     uint32_t instance[DAFT_BATCH_ROOM];
     uint32_t triangle[DAFT_BATCH_ROOM]; /* of the instance's mesh; 0 on a sphere */
+    uint32_t inner[DAFT_BATCH_ROOM];    /* 1: the viewer sees the surface's inner side, else 0; where points send on */
     uint32_t pixel[DAFT_BATCH_ROOM];    /* where in the tile it counts */
     daft_lanes3 weight;                 /* how much of its light arrives there */
     daft_lanes3 albedo;                 /* the texture's colour, or 1 */

@@ -56,6 +56,64 @@ void DAFT_KERNEL(daft_closest_stream)(const daft_tlas *tlas, const daft_ray *ray
     }
 }
 
+/* ---- rays in arrays ---- */
+
+/* Strips of columns: rays of square patches of a picture stay closer together than those of its rows. */
+enum { STRIPS = 8, STRIP = DAFT_STRIP_ROW / STRIPS, KEYS = OCTANTS * STRIPS };
+
+/* The numbers of the rays from..from + count, by octant, and within one by strip. */
+static void sort_arrays(const daft_ray_arrays *rays, uint32_t from, uint32_t count, uint16_t order[RUN],
+                        uint32_t first[OCTANTS + 1])
+{
+    uint32_t next[KEYS] = {0}, sum = 0;
+    uint16_t number[RUN];
+    uint8_t of[RUN];
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t k = rays->numbers ? rays->numbers[from + i] : from + i;
+        const daft_vec3 d = {rays->direction[0][k], rays->direction[1][k], rays->direction[2][k]};
+        number[i] = (uint16_t)k, of[i] = (uint8_t)(octant(d) * STRIPS + rays->place[k] / STRIP % STRIPS);
+        next[of[i]]++;
+    }
+    for (uint32_t k = 0; k < KEYS; k++) {
+        const uint32_t size = next[k];
+        if (k % STRIPS == 0) first[k / STRIPS] = sum;
+        next[k] = sum, sum += size;
+    }
+    first[OCTANTS] = sum;
+    for (uint32_t i = 0; i < count; i++) order[next[of[i]]++] = number[i];
+}
+
+static uint32_t gather_arrays(const daft_ray_arrays *rays, const uint16_t *order, uint32_t at, uint32_t end,
+                              daft_ray_packet *packet)
+{
+    const uint32_t count = daft_min_u(DAFT_PACKET, end - at);
+    for (uint32_t i = 0; i < DAFT_PACKET; i++) {
+        const uint32_t k = order[at + daft_min_u(i, count - 1)];
+        for (int c = 0; c < 3; c++)
+            packet->origin[c][i] = rays->origin[c][k], packet->direction[c][i] = rays->direction[c][k];
+    }
+    return count;
+}
+
+void DAFT_KERNEL(daft_closest_arrays)(const daft_tlas *tlas, const daft_ray_arrays *rays, uint32_t count,
+                                      daft_hit *hits)
+{
+    uint16_t order[RUN];
+    uint32_t first[OCTANTS + 1];
+    daft_ray_packet packet;
+    daft_hit found[DAFT_PACKET];
+    for (int i = 0; i < DAFT_PACKET; i++) packet.tmin[i] = 0, packet.tmax[i] = INFINITY;
+    for (uint32_t from = 0; from < count; from += RUN) {
+        sort_arrays(rays, from, daft_min_u(RUN, count - from), order, first);
+        for (uint32_t k = 0; k < OCTANTS; k++)
+            for (uint32_t at = first[k]; at < first[k + 1]; at += DAFT_PACKET) {
+                const uint32_t size = gather_arrays(rays, order, at, first[k + 1], &packet);
+                DAFT_KERNEL(daft_closest_packet)(tlas, &packet, first_bits(size), UINT32_MAX, found);
+                for (uint32_t i = 0; i < size; i++) hits[order[at + i]] = found[i];
+            }
+    }
+}
+
 void DAFT_KERNEL(daft_occluded_stream)(const daft_tlas *tlas, const daft_ray *rays, uint32_t count, uint32_t *occluded)
 {
     uint16_t order[RUN];

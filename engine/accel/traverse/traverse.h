@@ -33,6 +33,8 @@ bool DAFT_KERNEL(daft_leaf_stops)(const daft_block *blocks, uint32_t child, cons
 uint32_t DAFT_KERNEL(daft_closest_packet)(const daft_tlas *tlas, const daft_ray_packet *rays, uint32_t active,
                                           uint32_t ignore, daft_hit hits[DAFT_PACKET]);
 uint32_t DAFT_KERNEL(daft_occluded_packet)(const daft_tlas *tlas, const daft_ray_packet *rays, uint32_t active);
+void DAFT_KERNEL(daft_closest_arrays)(const daft_tlas *tlas, const daft_ray_arrays *rays, uint32_t count,
+                                      daft_hit *hits);
 void DAFT_KERNEL(daft_closest_stream)(const daft_tlas *tlas, const daft_ray *rays, uint32_t count, uint32_t ignore,
                                       daft_hit *hits);
 void DAFT_KERNEL(daft_occluded_stream)(const daft_tlas *tlas, const daft_ray *rays, uint32_t count, uint32_t *occluded);

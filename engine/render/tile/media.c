@@ -113,7 +113,7 @@ bool daft_media_prepare(daft_frame *frame, daft_error *error)
     const bool inside = frame->plan.media && daft_media_near_eye(frame->snapshot);
     frame->eye = inside ? media_of_eye(frame) : daft_no_media();
     frame->media = frame->plan.media && (frame->plan.refracts || frame->eye.material[0] != DAFT_NO_MEDIUM);
-    const size_t waiting = frame->media && frame->plan.refracts ? (size_t)frame->plan.through_depth : 0;
+    const size_t waiting = frame->plan.refracts ? (size_t)(frame->plan.through_depth * frame->plan.through_lists) : 0;
     const size_t lists = frame->media ? 1 + waiting : 0;
     if (frame->media && !reserve(r, BATCHES, lists, error)) return false;
     for (int i = 0; i < r->threads; i++) {
@@ -123,8 +123,7 @@ bool daft_media_prepare(daft_frame *frame, daft_error *error)
         for (int k = 0; k < BATCHES; k++)
             if (batches[k]) batches[k]->media = frame->media ? &r->crossings[BATCHES * i + k] : NULL;
         s->rays.media = rows;
-        for (int k = 0; frame->plan.refracts && k < frame->plan.through_depth; k++)
-            s->refracted[k].media = rows ? rows + (size_t)(1 + k) * DAFT_BATCH_ROOM : NULL;
+        for (size_t k = 0; k < waiting; k++) s->refracted[k].media = rows ? rows + (1 + k) * DAFT_BATCH_ROOM : NULL;
     }
     return true;
 }
@@ -175,8 +174,7 @@ static void cross(const tile_job *j, daft_batch *b, uint32_t i)
     daft_crossings *c = b->media;
     c->eta[i] = 1;
     if (!(s->materials[material].transmission > 0)) return;
-    const bool out =
-        daft_seen_from_inside(&s->instances[b->instance[i]], b->triangle[i], lane(&b->point, i), lane(&b->outward, i));
+    const bool out = b->inner[i];
     if (out) daft_media_learn(&c->from[i], material);
     c->beyond[i] = c->from[i];
     daft_media_pass(&c->beyond[i], s->materials, material, out);

@@ -1,43 +1,56 @@
 /* Secondary rays of a tile: spawned by its points, traced through the BVH in streams or known by planar mirrors. */
 #include "render/tile/tile.h"
 
-enum { STREAM = 256 }; /* rays that are asked together */
+#include <string.h>
 
-/* Member by member: a ray made of parts elsewhere and copied here waits until its parts are stored. */
-static void put_ray(daft_ray *out, const daft_ray_batch *rays, uint32_t i)
-{
-    out->origin.x = rays->origin.x[i], out->origin.y = rays->origin.y[i], out->origin.z = rays->origin.z[i];
-    out->tmin = 0;
-    out->direction.x = rays->direction.x[i], out->direction.y = rays->direction.y[i];
-    out->direction.z = rays->direction.z[i];
-    out->tmax = INFINITY;
-}
+enum { STREAM = 256 }; /* rays that are asked together */
+_Static_assert((int)DAFT_TILE == (int)DAFT_STRIP_ROW, "places of pixels are those of a tile");
 
 /* What the rays first.. of a batch hit; gives how many they are. `shown`: bits of the planar mirrors that know it of
  * theirs. */
 static uint32_t trace_some(const tile_job *j, const daft_ray_batch *rays, uint32_t first, uint32_t shown,
                            daft_hit hits[STREAM])
 {
-    daft_ray stream[STREAM];
-    daft_hit found[STREAM];
-    uint32_t place[STREAM], count = daft_min_u(STREAM, rays->count - first), asked = count;
-    if (shown) asked = daft_mirrors_hits(j->frame, shown, j->worker, j->s->seen_by, rays, first, count, hits, place);
-    for (uint32_t i = 0; i < asked; i++) put_ray(&stream[i], rays, first + (shown ? place[i] : i));
-    j->r->accel->closest_stream(j->frame->tlas, stream, asked, UINT32_MAX, shown ? found : hits);
-    for (uint32_t i = 0; shown && i < asked; i++) hits[place[i]] = found[i];
+    uint16_t others[STREAM];
+    const uint32_t count = daft_min_u(STREAM, rays->count - first);
+    const daft_lanes3 *o = &rays->origin, *d = &rays->direction;
+    uint32_t asked = count;
+    daft_ray_arrays arrays = {.origin = {o->x + first, o->y + first, o->z + first},
+                              .direction = {d->x + first, d->y + first, d->z + first},
+                              .place = &rays->pixel[first]};
+    if (shown) {
+        asked = daft_mirrors_hits(j->frame, shown, j->worker, j->s->seen_by, rays, first, count, hits, others);
+        arrays.numbers = others;
+    }
+    j->r->accel->closest_arrays(j->frame->tlas, &arrays, asked, hits);
     return count;
 }
 
-static void see_sky(daft_ray_batch *sky, const daft_ray_batch *rays, uint32_t i)
+static void append3(daft_lanes3 *to, uint32_t at, const daft_lanes3 *from, uint32_t count)
 {
-    uint32_t at = sky->count++;
-    sky->direction.x[at] = rays->direction.x[i], sky->direction.y[at] = rays->direction.y[i];
-    sky->direction.z[at] = rays->direction.z[i];
-    sky->weight.x[at] = rays->weight.x[i], sky->weight.y[at] = rays->weight.y[i], sky->weight.z[at] = rays->weight.z[i];
-    sky->pixel[at] = rays->pixel[i];
+    memcpy(&to->x[at], from->x, count * sizeof(float)), memcpy(&to->y[at], from->y, count * sizeof(float));
+    memcpy(&to->z[at], from->z, count * sizeof(float));
 }
 
-void daft_tile_trace(tile_job *j, daft_ray_batch *rays, daft_effect_kind effect, uint32_t shown, daft_batch *next)
+/* Deep down each batch would halve again and again: what is past its critical angle here, the rest there. */
+daft_ray_batch *daft_tile_join(const tile_job *j, int depth)
+{
+    const daft_plan *plan = &j->frame->plan;
+    if (!plan->refracts || depth >= plan->through_depth) return NULL;
+    daft_ray_batch *to = &j->s->refracted[depth * plan->through_lists], *from = &j->s->rays;
+    const uint32_t at = to->count, count = from->count;
+    if (!at || !count || at + count > DAFT_BATCH) return NULL;
+    append3(&to->origin, at, &from->origin, count);
+    append3(&to->direction, at, &from->direction, count);
+    append3(&to->weight, at, &from->weight, count);
+    memcpy(&to->distance[at], from->distance, count * sizeof *from->distance);
+    memcpy(&to->pixel[at], from->pixel, count * sizeof *from->pixel);
+    if (to->media) memcpy(&to->media[at], from->media, count * sizeof *from->media);
+    to->count += count, from->count = 0;
+    return to;
+}
+
+void daft_tile_trace(tile_job *j, daft_ray_batch *rays, uint32_t mirrored, uint32_t shown, daft_batch *next)
 {
     daft_scratch *s = j->s;
     daft_hit hits[STREAM];
@@ -47,15 +60,15 @@ void daft_tile_trace(tile_job *j, daft_ray_batch *rays, daft_effect_kind effect,
         count = trace_some(j, rays, first, shown, hits);
         if (rays->media) daft_media_absorb(j, rays, first, hits, count);
         if (j->frame->plan.fog) daft_fog_rays(j, rays, first, hits, count);
-        for (uint32_t i = 0; i < count; i++)
-            if (hits[i].instance == UINT32_MAX) see_sky(&s->sky, rays, first + i);
         if (j->s->gloss && j->s->gloss->asks) daft_gloss_meet(j, rays, first, hits, count);
-        j->r->kernels->hit_points(j->snapshot, rays, first, hits, count, &s->facets, next);
+        j->r->kernels->hit_points(j->snapshot, rays, first, hits, count, &s->facets, next, &s->sky);
     }
-    s->rays_cast[effect] += rays->count;
+    s->rays_cast[DAFT_EFFECT_REFLECTION] += mirrored;
+    s->rays_cast[DAFT_EFFECT_REFRACTION] += rays->count - mirrored;
     daft_cost_add(j, rays->pixel, rays->count);
-    ran(j, effect);
-    book(j, effect);
+    if (mirrored) ran(j, DAFT_EFFECT_REFLECTION);
+    if (mirrored < rays->count) ran(j, DAFT_EFFECT_REFRACTION);
+    book_both(j, DAFT_EFFECT_REFLECTION, DAFT_EFFECT_REFRACTION, mirrored, rays->count);
 }
 
 /* What mirrors show where they are not followed any more: the sky's mean colour. In rooms under a black sky it is the
@@ -72,7 +85,7 @@ static void end_mirrors(tile_job *j, const daft_batch *points, const daft_spawni
     daft_scratch *s = j->s;
     const daft_vec3 end = end_color(j->snapshot);
     all.mirrors = true, all.rough = false;
-    j->r->kernels->spawn(j->snapshot, points, &all, &s->rays, NULL);
+    j->r->kernels->spawn(j->snapshot, points, &all, &s->rays, NULL, NULL);
     for (uint32_t i = 0; i < s->rays.count; i++) {
         const uint32_t pixel = s->rays.pixel[i];
         s->color.x[pixel] += s->rays.weight.x[i] * end.x, s->color.y[pixel] += s->rays.weight.y[i] * end.y;
@@ -97,18 +110,23 @@ void daft_tile_spawn(tile_job *j, const daft_batch *points, int depth, uint32_t 
                                    .salt = 977u * (uint32_t)(depth + 1) + (depth ? 131u * ray : 0),
                                    .place = j->refines ? j->s->wanted : NULL,
                                    .turns = j->r->turns};
-    bool refracts = j->frame->plan.refracts && depth < plan->through_depth;
+    const bool refracts = plan->refracts && depth < plan->through_depth;
+    daft_ray_batch *waiting = refracts ? &j->s->refracted[depth * plan->through_lists] : NULL;
+    daft_ray_batch *straight = refracts ? waiting + plan->through_lists - 1 : NULL;
     j->s->rays.count = 0;
     if (!(points->traits & DAFT_TRAIT_SENDS)) return;
     if (!allowed.mirrors && (plan->reflects || plan->quality->mirror_depth == 0)) end_mirrors(j, points, &allowed);
     if (allowed.mirrors || refracts)
-        j->r->kernels->spawn(j->snapshot, points, &allowed, &j->s->rays, refracts ? &j->s->refracted[depth] : NULL);
+        j->r->kernels->spawn(j->snapshot, points, &allowed, &j->s->rays, waiting, straight);
 }
 
-int daft_tile_deepest_waiting(const tile_job *j, int depth)
+daft_ray_batch *daft_tile_waiting(const tile_job *j, int *depth)
 {
-    if (!j->frame->plan.refracts) return -1;
-    depth = daft_min_i(depth, j->frame->plan.through_depth - 1);
-    while (depth >= 0 && j->s->refracted[depth].count == 0) depth--;
-    return depth;
+    const daft_plan *plan = &j->frame->plan;
+    if (!plan->refracts) return NULL;
+    int list = (daft_min_i(*depth, plan->through_depth - 1) + 1) * plan->through_lists - 1;
+    while (list >= 0 && j->s->refracted[list].count == 0) list--;
+    if (list < 0) return NULL;
+    *depth = list / plan->through_lists;
+    return &j->s->refracted[list];
 }

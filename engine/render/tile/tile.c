@@ -1,6 +1,7 @@
 /* A tile from visibility to bytes. Points are shaded in batches: first what the pixels see, then what mirrors see in
  * it, and so on; each batch runs only the effects that its own points call for. Where a batch sends on both mirrored
- * and refracted rays, the refracted ones wait until the mirrored ones have been followed to their end. */
+ * and refracted rays, these become one batch, if that has room; else the refracted ones wait until the mirrored ones
+ * have been followed to their end. */
 #include "render/tile/tile.h"
 
 #include <math.h>
@@ -208,17 +209,19 @@ static void shade_visible(tile_job *j)
     book(j, DAFT_EFFECT_SKY);
 }
 
-/* By which mirrors pixels see what their points send on; gives those whose views are drawn, as bits. */
+/* By which mirrors pixels see what their points mirror; gives those whose views are drawn, as bits. */
 static uint32_t look_through(const tile_job *j, const daft_batch *points, const daft_ray_batch *sent)
 {
     daft_scratch *s = j->s;
     if (!j->frame->mirror_count || j->refines) return 0;
-    if (sent == &s->rays) {
-        daft_mirrors_follow(j->frame, points, s->seen_by);
-        return daft_mirrors_tile(j->frame, j->number, j->worker, s->seen_by, sent);
-    }
-    for (uint32_t i = 0; i < sent->count; i++) s->seen_by[sent->pixel[i]] = DAFT_SEEN_BY_RAYS;
-    return 0;
+    daft_mirrors_follow(j->frame, points, s->seen_by);
+    return daft_mirrors_tile(j->frame, j->number, j->worker, s->seen_by, sent);
+}
+
+static void look_by_rays(const tile_job *j, const daft_ray_batch *sent)
+{
+    if (!j->frame->mirror_count || j->refines) return;
+    for (uint32_t i = 0; i < sent->count; i++) j->s->seen_by[sent->pixel[i]] = DAFT_SEEN_BY_RAYS;
 }
 
 /* What the pixels' points send on, to its end; of rough ones ray number `ray` of `rays`. */
@@ -236,18 +239,20 @@ static void follow(tile_job *j, uint32_t ray, uint32_t rays)
         daft_tile_spawn(j, points, depth, ray, rays);
         if (gloss && depth == 0 && gloss->some) {
             daft_gloss_send(j, &s->rays);
-            if (j->frame->plan.refracts) daft_gloss_send(j, &s->refracted[0]);
+            for (int i = 0; j->frame->plan.refracts && i < j->frame->plan.through_lists; i++)
+                daft_gloss_send(j, &s->refracted[i]);
         }
-        daft_ray_batch *sent = &s->rays;
-        if (!sent->count) {
-            depth = daft_tile_deepest_waiting(j, depth);
-            if (depth < 0) return;
-            sent = &s->refracted[depth];
-        }
-        const uint32_t shown = look_through(j, points, sent);
+        const uint32_t mirrored = s->rays.count;
+        uint32_t shown = 0;
+        daft_ray_batch *sent = mirrored ? &s->rays : daft_tile_waiting(j, &depth);
+        if (!sent) return;
+        if (mirrored) shown = look_through(j, points, sent);
+        daft_ray_batch *both = mirrored && !shown ? daft_tile_join(j, depth) : NULL;
+        if (both) sent = both;
+        if (sent != &s->rays) look_by_rays(j, sent);
         if (gloss) gloss->asks = gloss->some && depth == 0;
         daft_redraw_rays(j, sent, depth);
-        daft_tile_trace(j, sent, sent == &s->rays ? DAFT_EFFECT_REFLECTION : DAFT_EFFECT_REFRACTION, shown, next);
+        daft_tile_trace(j, sent, mirrored, shown, next);
         if (gloss) gloss->asks = false;
         if (sent != &s->rays) sent->count = 0;
         add_sky(j, &s->sky);

@@ -27,6 +27,15 @@ static inline void book(tile_job *j, daft_effect_kind effect)
     j->since = now;
 }
 
+/* The same for two that ran together: `part` of `all` is the first one's. */
+static inline void book_both(tile_job *j, daft_effect_kind first, daft_effect_kind second, uint32_t part, uint32_t all)
+{
+    const uint64_t before = j->s->ticks[second], taken = j->refines ? 0 : part;
+    book(j, second);
+    const uint64_t moved = all ? (j->s->ticks[second] - before) * taken / all : 0;
+    j->s->ticks[second] -= moved, j->s->ticks[first] += moved;
+}
+
 static inline void ran(tile_job *j, daft_effect_kind effect)
 {
     if (j->refines) effect = DAFT_EFFECT_ANTIALIASING;
@@ -86,15 +95,18 @@ daft_vec3 daft_tile_filtered(tile_job *j, const daft_batch *points, uint32_t i, 
 const daft_lanes3 *daft_tile_filters(tile_job *j, const daft_batch *points, const daft_light_source *light,
                                      const daft_lanes3 *passed);
 void daft_tile_skip_holes(const daft_batch *points, uint32_t *bits);
-/* secondary.c: the rays that points `depth` surfaces away send on, into s->rays, and s->refracted[depth] where some
- * transmit; of rough ones that pixels see number `ray` of `rays`. */
+/* secondary.c: the rays that points `depth` surfaces away send on, into s->rays, and the lists of s->refracted for this
+ * depth where some let light through; of rough ones that pixels see number `ray` of `rays`. */
 void daft_tile_spawn(tile_job *j, const daft_batch *points, int depth, uint32_t ray, uint32_t rays);
-/* Traces rays, of which fog takes weight: hits become the batch `next`, misses see s->sky. `shown`: bits of the planar
- * mirrors that know their rays' hits. */
-void daft_tile_trace(tile_job *j, daft_ray_batch *rays, daft_effect_kind effect, uint32_t shown, daft_batch *next);
-/* The deepest of the refracted rays that wait for points at `depth` or less to be done. Deeper ones have been followed,
- * so one batch for each depth is room enough. -1: none. */
-int daft_tile_deepest_waiting(const tile_job *j, int depth);
+/* Appends the mirrored rays to the refracted ones that wait at this depth, if there are some and these have room, and
+ * gives those; else NULL. */
+daft_ray_batch *daft_tile_join(const tile_job *j, int depth);
+/* Traces rays, `mirrored` of them mirrored and the rest refracted, of which fog takes weight: hits become the batch
+ * `next`, misses see s->sky. `shown`: bits of the planar mirrors that know their rays' hits. */
+void daft_tile_trace(tile_job *j, daft_ray_batch *rays, uint32_t mirrored, uint32_t shown, daft_batch *next);
+/* The deepest of the refracted rays that wait for points at `depth` or less to be done, whose depth this becomes.
+ * Deeper ones have been followed, so the lists of each depth are room enough. NULL: none. */
+daft_ray_batch *daft_tile_waiting(const tile_job *j, int *depth);
 /* media.c: of points so many surfaces away, before their light is known: the media they are seen from; and after it:
  * what they cross, and the loss on the way from the camera. Of traced rays first..: what media take from their weight
  * up to their hits. Only where rays carry media (frame->media). */

@@ -255,6 +255,40 @@ static void check_packet(const daft_accel_kernels *k, const daft_tlas *tlas, con
         assert_memory_equal(&hits[i], active >> i & 1 ? &expected[i] : &untouched, sizeof untouched);
 }
 
+/* Rays in arrays, all of them and some, from their origins on. */
+static void same_in_arrays(const daft_tlas *tlas, const company *c)
+{
+    static float number[6][COMPANY];
+    static daft_hit expected[COMPANY], hits[COMPANY], untouched;
+    uint32_t place[COMPANY], some = 0;
+    uint16_t numbers[COMPANY];
+    memset(&untouched, 0xa5, sizeof untouched);
+    for (uint32_t i = 0; i < c->count; i++) {
+        const daft_vec3 o = c->rays[i].origin, d = c->rays[i].direction;
+        const daft_ray ray = {.origin = o, .direction = d, .tmax = INFINITY};
+        number[0][i] = o.x, number[1][i] = o.y, number[2][i] = o.z;
+        number[3][i] = d.x, number[4][i] = d.y, number[5][i] = d.z;
+        place[i] = random_bits() % 1024;
+        daft_accel_kernels_for(0)->closest(tlas, &ray, UINT32_MAX, &expected[i]);
+        if (random_bits() % 2) numbers[some++] = (uint16_t)i;
+    }
+    daft_ray_arrays rays = {
+        .origin = {number[0], number[1], number[2]}, .direction = {number[3], number[4], number[5]}, .place = place};
+    for (int isa = 0; isa <= daft_isa_best(); isa++) {
+        rays.numbers = NULL;
+        daft_accel_kernels_for(isa)->closest_arrays(tlas, &rays, c->count, hits);
+        assert_memory_equal(hits, expected, c->count * sizeof *hits);
+        rays.numbers = numbers;
+        for (uint32_t i = 0; i < c->count; i++) hits[i] = untouched;
+        daft_accel_kernels_for(isa)->closest_arrays(tlas, &rays, some, hits);
+        for (uint32_t i = 0, k = 0; i < c->count; i++) {
+            const bool asked = k < some && numbers[k] == i;
+            assert_memory_equal(&hits[i], asked ? &expected[i] : &untouched, sizeof *hits);
+            k += asked;
+        }
+    }
+}
+
 /* On every instruction set; the single rays of the first are what all are compared with. */
 static void same_together(const daft_tlas *tlas, const company *c)
 {
@@ -280,6 +314,7 @@ static void same_together(const daft_tlas *tlas, const company *c)
             assert_int_equal(dark[i / 32] >> i % 32 & 1, stopped[i]);
         }
     }
+    same_in_arrays(tlas, c);
 }
 
 static float odd_number(void)

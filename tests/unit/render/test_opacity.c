@@ -342,6 +342,31 @@ static void fill(stage *s)
     daft_scene_set_ambient_occlusion(s->scene, 1);
 }
 
+/* Each surface of the pane covers half, and of that half of the light passes: 3/4 come through it, 9/16 through both.
+ * Each sends on two rays, more of them than a batch has points. */
+static void what_blends_may_transmit(void **unused)
+{
+    (void)unused;
+    static uint8_t picture[4 * PIXELS];
+    stage s = stage_new();
+    daft_material_def m = daft_default_material_def();
+    m.diffuse = m.ambient = m.specular = daft_v3(0, 0, 0);
+    m.alpha_mode = DAFT_ALPHA_BLEND, m.opacity = 0.5f;
+    m.transmission = 1, m.transmission_tint = daft_v3(0.5f, 0.5f, 0.5f), m.refractive_index = 1;
+    daft_entity_def pane = daft_default_entity_def();
+    pane.shape = DAFT_SHAPE_BOX, pane.size = daft_v3(0.02f, 4, 4), pane.position = daft_dv3(-2.5, 2.05, 0);
+    pane.material = daft_material_create(s.scene, &m, NULL);
+    assert_true(daft_entity_create(s.scene, &pane, NULL).id);
+    daft_scene_set_ambient(s.scene, daft_v3(1, 1, 1));
+    const daft_counters *c = draw(&s, picture);
+    assert_true(c->refraction_rays > 3 * PIXELS);
+    for (int x = 0; x < WIDTH; x++) {
+        const int byte = picture[4 * ((HEIGHT - 20) * WIDTH + x)];
+        if (abs(byte - 198) > 1) fail_msg("column %d: %d", x, byte);
+    }
+    stage_free(&s);
+}
+
 static void the_same_bytes_everywhere(void **unused)
 {
     (void)unused;
@@ -696,11 +721,17 @@ static void all_hits_are_found(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(leaves_shade_as_cut_geometry), cmocka_unit_test(a_mask_without_holes_is_none),
-        cmocka_unit_test(layers_let_light_through),     cmocka_unit_test(vertices_fade_as_pictures_do),
-        cmocka_unit_test(the_same_bytes_everywhere),    cmocka_unit_test(classes_are_right),
-        cmocka_unit_test(classes_spare_reads_alone),    cmocka_unit_test(rays_read_what_is_drawn),
-        cmocka_unit_test(classes_follow_materials),     cmocka_unit_test(kept_pictures_follow_leaves),
+        cmocka_unit_test(leaves_shade_as_cut_geometry),
+        cmocka_unit_test(a_mask_without_holes_is_none),
+        cmocka_unit_test(layers_let_light_through),
+        cmocka_unit_test(vertices_fade_as_pictures_do),
+        cmocka_unit_test(what_blends_may_transmit),
+        cmocka_unit_test(the_same_bytes_everywhere),
+        cmocka_unit_test(classes_are_right),
+        cmocka_unit_test(classes_spare_reads_alone),
+        cmocka_unit_test(rays_read_what_is_drawn),
+        cmocka_unit_test(classes_follow_materials),
+        cmocka_unit_test(kept_pictures_follow_leaves),
         cmocka_unit_test(all_hits_are_found),
     };
     return cmocka_run_group_tests(tests, make_test_folder, remove_test_folder);

@@ -144,6 +144,8 @@ static double apart(const daft_lanes3 *a, uint32_t i, daft_dvec3 b)
     return sqrt(daft_ddot(d, d));
 }
 
+static daft_vec3 lane(const daft_lanes3 *a, uint32_t i) { return daft_v3(a->x[i], a->y[i], a->z[i]); }
+
 /* Rays along a surface say little of where they meet it. */
 static bool compare(const stage *s, const daft_batch *b, uint32_t i, daft_dvec3 o, daft_dvec3 d)
 {
@@ -155,6 +157,8 @@ static bool compare(const stage *s, const daft_batch *b, uint32_t i, daft_dvec3 
     if (fabs(daft_ddot(m.normal, m.outward)) > 0.2) assert_true(apart(&b->normal, i, m.normal) < 2e-3);
     assert_true(apart(&b->shadow_origin, i, m.shadow_origin) < 2e-3);
     assert_int_equal(b->material[i], t->materials[0]);
+    const bool inner = daft_seen_from_inside(t, b->triangle[i], lane(&b->point, i), lane(&b->outward, i));
+    if (b->traits & DAFT_TRAIT_SENDS) assert_int_equal(b->inner[i], inner);
     return true;
 }
 
@@ -175,7 +179,10 @@ static void same_bits(const daft_batch *a, const daft_batch *b, uint32_t traits)
     same_lanes(&a->outward, &b->outward, a->count);
     same_lanes(&a->shadow_origin, &b->shadow_origin, a->count);
     if (traits) same_lanes(&a->view, &b->view, a->count);
-    if (traits & DAFT_TRAIT_SENDS) same_lanes(&a->weight, &b->weight, a->count);
+    if (traits & DAFT_TRAIT_SENDS) {
+        same_lanes(&a->weight, &b->weight, a->count);
+        assert_memory_equal(a->inner, b->inner, a->count * sizeof a->inner[0]);
+    }
     assert_memory_equal(a->pixel, b->pixel, a->count * sizeof a->pixel[0]);
     assert_memory_equal(a->material, b->material, a->count * sizeof a->material[0]);
 }
@@ -284,9 +291,10 @@ static void rays_meet_what_they_hit(void **unused)
             daft_accel_kernels_for(0)->closest(tlas, &ray, UINT32_MAX, &hits[i]);
         }
         for (int isa = 0; isa <= daft_isa_best(); isa++) {
-            s->points[isa].count = s->points[isa].traits = 0;
-            kernels(isa)->hit_points(&s->snapshot, &s->rays, 0, hits, RAYS, &s->facets, &s->points[isa]);
+            s->points[isa].count = s->points[isa].traits = s->sky.count = 0;
+            kernels(isa)->hit_points(&s->snapshot, &s->rays, 0, hits, RAYS, &s->facets, &s->points[isa], &s->sky);
             same_bits(&s->points[isa], &s->points[0], DAFT_TRAIT_SENDS);
+            assert_int_equal(s->points[isa].count + s->sky.count, RAYS);
         }
         const daft_batch *b = &s->points[0];
         for (uint32_t i = 0; i < b->count; i++) {
@@ -305,9 +313,39 @@ static void rays_meet_what_they_hit(void **unused)
     stage_drop(s);
 }
 
+/* A mesh without normals has its outer side where its corners run counter-clockwise, in its own space. */
+static void sides_without_normals(void **unused)
+{
+    (void)unused;
+    fixture_seed(74);
+    stage *s = stage_make(3);
+    const daft_surfaces_def def = {&s->snapshot, &s->pencil, true, true};
+    uint32_t inner = 0, looked = 0;
+    for (uint32_t i = 0; i < 3; i++) s->materials[i].mirror = daft_v3(1, 1, 1);
+    daft_vec3 *const kept[2] = {s->soup.mesh.normals, s->ball.mesh.normals};
+    s->soup.mesh.normals = NULL, s->ball.mesh.normals = NULL;
+    for (int tile = 0; tile < s->raster.tiles_x * s->raster.tiles_y; tile++) {
+        daft_raster_kernels_for(0)->tile(&s->raster, (uint32_t)tile, 0, NULL, &s->tile);
+        for (int isa = 0; isa <= daft_isa_best(); isa++) {
+            const daft_batch *b = &s->points[isa];
+            kernels(isa)->surfaces(&def, &s->tile, &s->facets, &s->points[isa], &s->sky);
+            for (uint32_t i = 0; i < b->count; i++) {
+                const daft_instance *t = &s->instances[b->instance[i]];
+                assert_int_equal(b->inner[i],
+                                 daft_seen_from_inside(t, b->triangle[i], lane(&b->point, i), lane(&b->outward, i)));
+                inner += b->inner[i], looked++;
+            }
+        }
+    }
+    assert_true(inner > 1000 && looked - inner > 1000);
+    s->soup.mesh.normals = kept[0], s->ball.mesh.normals = kept[1];
+    stage_drop(s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(pixels_meet_what_they_see), cmocka_unit_test(filled_tiles),
-                                       cmocka_unit_test(rays_meet_what_they_hit)};
+                                       cmocka_unit_test(rays_meet_what_they_hit),
+                                       cmocka_unit_test(sides_without_normals)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
