@@ -69,7 +69,8 @@ typedef struct daft_surfaces_def {
 typedef struct daft_spawning {
     bool mirrors, refracts;
     float min;
-    bool rough; /* false: all are smooth */
+    bool rough;  /* false: all are smooth */
+    bool blends; /* what blends is passed straight on */
     uint32_t ray, rays;
     uint32_t column, row, round, salt; /* of the tile's first pixel in the picture; see daft_dice_throw */
     const uint32_t *place;             /* of each of the batch's pixels in the tile; NULL: these are places */

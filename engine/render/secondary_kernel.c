@@ -186,7 +186,7 @@ static void spawn(const daft_snapshot *snapshot, const daft_batch *b, const daft
 {
     const float share = 1 / (float)allowed->rays;
     const daft_varying *varying = b->traits & DAFT_TRAIT_VARIES ? b->varying : NULL;
-    const bool blends = b->traits & DAFT_TRAIT_BLEND && refracted_rays && allowed->ray == 0;
+    const bool blends = b->traits & DAFT_TRAIT_BLEND && allowed->blends && refracted_rays && allowed->ray == 0;
     mirror_rays->count = 0;
     if (refracted_rays) refracted_rays->count = 0;
     for (uint32_t i = 0; i < b->count; i++) {

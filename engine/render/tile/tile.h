@@ -92,6 +92,7 @@ void daft_tile_spawn(tile_job *j, const daft_batch *points, int depth, uint32_t 
 /* Traces rays, of which fog takes weight: hits become the batch `next`, misses see s->sky. `shown`: bits of the planar
  * mirrors that know their rays' hits. */
 void daft_tile_trace(tile_job *j, daft_ray_batch *rays, daft_effect_kind effect, uint32_t shown, daft_batch *next);
+void daft_tile_add_sky(tile_job *j, const daft_ray_batch *rays);
 /* The deepest of the refracted rays that wait for points at `depth` or less to be done. Deeper ones have been followed,
  * so one batch for each depth is room enough. -1: none. */
 int daft_tile_deepest_waiting(const tile_job *j, int depth);
