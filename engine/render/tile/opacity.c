@@ -71,6 +71,8 @@ static bool meet(void *user, const daft_pierced *hit)
 
 static daft_vec3 lane(const daft_lanes3 *v, uint32_t i) { return daft_v3(v->x[i], v->y[i], v->z[i]); }
 
+/* What stopped the ray before often stops its neighbour, too: it is asked first. Any order gives the same, since all
+ * that is told is whether something of the light is left where a hit takes it all. */
 daft_vec3 daft_tile_filtered(tile_job *j, const daft_batch *points, uint32_t i, const daft_ray *ray)
 {
     const bool flat = j->snapshot->instances[points->instance[i]].mesh != NULL;
@@ -80,7 +82,10 @@ daft_vec3 daft_tile_filtered(tile_job *j, const daft_batch *points, uint32_t i, 
               .instance = points->instance[i],
               .own = leaves ? points->triangle[i] : UINT32_MAX,
               .left = {1, 1, 1}};
-    j->r->accel->pierce(j->frame->tlas, ray, meet, &b);
+    if (!j->r->accel->pierce_leaf(j->frame->tlas, ray, &j->s->last_stop, meet, &b)) {
+        b.left[0] = b.left[1] = b.left[2] = 1;
+        j->r->accel->pierce(j->frame->tlas, ray, meet, &b, &j->s->last_stop);
+    }
     j->s->alpha_rays++, j->s->alpha_reads += b.reads;
     return daft_v3((float)b.left[0], (float)b.left[1], (float)b.left[2]);
 }

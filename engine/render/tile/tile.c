@@ -9,6 +9,7 @@
 void daft_tile_see(tile_job *j, daft_tile *out)
 {
     daft_scratch *s = j->s;
+    s->last_stop.instance = DAFT_NO_LEAF;
     if (j->snapshot->quality.tree != DAFT_TREE_RASTER)
         daft_reference_tile(&j->r->raster, j->frame->tlas, j->number, j->part, out);
     else
