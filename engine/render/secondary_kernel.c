@@ -83,10 +83,59 @@ static daft_vec3 refracted(const interface *f, daft_vec3 view, daft_vec3 normal,
     return daft_normalize(d);
 }
 
-static bool from_inside(const daft_snapshot *snapshot, const daft_batch *b, uint32_t i)
+/* What is known of the triangle that was asked for last: neighbours mostly lie on the same one, seen from the same
+ * side. */
+typedef struct side_planes {
+    uint32_t instance, triangle; /* instance UINT32_MAX: none yet */
+    daft_vec3 outward;
+    daft_vec3 corner[3], in[3]; /* in: unit, in the triangle's plane, off the side that begins at the corner */
+    bool from_inside;           /* whether its inner side is seen */
+} side_planes;
+
+typedef struct spawning {
+    const daft_snapshot *snapshot;
+    const daft_batch *b;
+    const daft_spawning *allowed;
+    daft_ray_batch *mirrored, *refracted;
+    side_planes planes;
+} spawning;
+
+static void find_sides(side_planes *p, const daft_instance *instance)
 {
-    return daft_seen_from_inside(&snapshot->instances[b->instance[i]], b->triangle[i], lane3(&b->point, i),
-                                 lane3(&b->outward, i));
+    const daft_trimesh *mesh = instance->mesh;
+    const uint32_t *at = &mesh->indices[3 * (size_t)p->triangle];
+    daft_vec3 *c = p->corner;
+    for (int k = 0; k < 3; k++)
+        c[k] = daft_affine_point(&instance->to_frame, daft_v3(mesh->x[at[k]], mesh->y[at[k]], mesh->z[at[k]]));
+    for (int k = 0; k < 3; k++) {
+        daft_vec3 in = daft_normalize(daft_cross(p->outward, daft_sub(c[(k + 1) % 3], c[k])));
+        if (daft_dot(in, daft_sub(c[(k + 2) % 3], c[k])) < 0) in = daft_neg(in);
+        p->in[k] = in;
+    }
+}
+
+/* Of a point on a mesh. */
+static const side_planes *planes_at(spawning *s, uint32_t i)
+{
+    const daft_batch *b = s->b;
+    side_planes *p = &s->planes;
+    const daft_vec3 outward = lane3(&b->outward, i), was = p->outward;
+    if (p->instance == b->instance[i] && p->triangle == b->triangle[i] && was.x == outward.x && was.y == outward.y &&
+        was.z == outward.z)
+        return p;
+    const daft_instance *instance = &s->snapshot->instances[b->instance[i]];
+    p->instance = b->instance[i], p->triangle = b->triangle[i], p->outward = outward;
+    p->from_inside = daft_seen_from_inside(instance, p->triangle, lane3(&b->point, i), outward);
+    find_sides(p, instance);
+    return p;
+}
+
+static bool from_inside(spawning *s, uint32_t i)
+{
+    const daft_batch *b = s->b;
+    const daft_instance *instance = &s->snapshot->instances[b->instance[i]];
+    if (instance->mesh) return planes_at(s, i)->from_inside;
+    return daft_seen_from_inside(instance, b->triangle[i], lane3(&b->point, i), lane3(&b->outward, i));
 }
 
 /* `media`: that the ray is in; read where rays carry them. */
@@ -109,20 +158,12 @@ static bool counts(daft_vec3 weight, float min) { return weight.x > min || weigh
 
 /* What moves a point that lies closer than `margin` to the sides of its triangle, or beyond one by rounding, away from
  * them. */
-static daft_vec3 off_sides(const daft_instance *instance, uint32_t triangle, daft_vec3 p, daft_vec3 normal,
-                           float margin)
+static daft_vec3 off_sides(const side_planes *planes, daft_vec3 p, float margin)
 {
-    const daft_trimesh *mesh = instance->mesh;
-    const uint32_t *corner = &mesh->indices[3 * (size_t)triangle];
-    daft_vec3 c[3], shift = {0, 0, 0};
-    for (int k = 0; k < 3; k++)
-        c[k] =
-            daft_affine_point(&instance->to_frame, daft_v3(mesh->x[corner[k]], mesh->y[corner[k]], mesh->z[corner[k]]));
+    daft_vec3 shift = {0, 0, 0};
     for (int k = 0; k < 3; k++) {
-        daft_vec3 a = c[k], in = daft_normalize(daft_cross(normal, daft_sub(c[(k + 1) % 3], a)));
-        if (daft_dot(in, daft_sub(c[(k + 2) % 3], a)) < 0) in = daft_neg(in);
-        float inside = daft_dot(in, daft_sub(p, a));
-        if (inside < margin) shift = daft_add(shift, daft_scale(in, margin - inside));
+        const float inside = daft_dot(planes->in[k], daft_sub(p, planes->corner[k]));
+        if (inside < margin) shift = daft_add(shift, daft_scale(planes->in[k], margin - inside));
     }
     return shift;
 }
@@ -130,88 +171,96 @@ static daft_vec3 off_sides(const daft_instance *instance, uint32_t triangle, daf
 /* Batches hold points that lie off the surface by e along `outward` and e along `view`; this one lies e beyond it, and
  * half as much again for the roundings on the way. Within e of a facet's side it may lie across the neighbouring one,
  * inside when it is meant to be outside or the other way round; so it is moved away from sides by as much. */
-static daft_vec3 place_beyond(const daft_snapshot *snapshot, const daft_batch *b, uint32_t i)
+static daft_vec3 place_beyond(spawning *s, uint32_t i)
 {
-    const daft_instance *instance = &snapshot->instances[b->instance[i]];
+    const daft_batch *b = s->b;
     daft_vec3 outward = lane3(&b->outward, i);
     daft_vec3 p = lane3(&b->point, i);
     float error = (fabsf(p.x) + fabsf(p.y) + fabsf(p.z) + b->extent[i]) * DAFT_SPAWN_ERROR;
     daft_vec3 on = daft_sub(p, daft_scale(daft_add(outward, lane3(&b->view, i)), error));
-    if (instance->mesh) on = daft_add(on, off_sides(instance, b->triangle[i], on, outward, error));
+    if (s->snapshot->instances[b->instance[i]].mesh) on = daft_add(on, off_sides(planes_at(s, i), on, error));
     return daft_sub(on, daft_scale(outward, 1.5f * error));
 }
 
 /* A point that transmits: `mirror` is what its material mirrors besides. Where mirrored rays are not followed any more,
  * what can be refracted is, in full; what cannot still is mirrored, since that is the only way the light has. */
-static void divide(const daft_snapshot *snapshot, const daft_batch *b, uint32_t i, float alpha, daft_vec3 mirror,
-                   daft_vec3 weight, const daft_spawning *allowed, daft_ray_batch *mirror_rays,
-                   daft_ray_batch *refracted_rays)
+static void divide(spawning *s, uint32_t i, float alpha, daft_vec3 mirror, daft_vec3 weight)
 {
-    const daft_surface *material = &snapshot->materials[b->material[i]];
+    const daft_batch *b = s->b;
+    const daft_spawning *allowed = s->allowed;
+    const daft_surface *material = &s->snapshot->materials[b->material[i]];
     const bool rough = allowed->rough && alpha > 0;
     daft_vec3 view = lane3(&b->view, i), outward = lane3(&b->outward, i);
     daft_vec3 normal = facet_at(b, i, alpha, allowed);
-    float eta = b->media ? b->media->eta[i] : from_inside(snapshot, b, i) ? material->index : 1 / material->index;
+    float eta = b->media ? b->media->eta[i] : from_inside(s, i) ? material->index : 1 / material->index;
     interface f = interface_at(eta, daft_dot(normal, view));
     if (!allowed->mirrors && f.fresnel < 1) f.fresnel = 0;
     float fraction = material->transmission * f.fresnel;
     daft_vec3 back = daft_mul(weight, daft_add(mirror, daft_v3(fraction, fraction, fraction)));
     if (counts(back, allowed->min))
-        add_ray(b, i, lane3(&b->point, i), mirrored(view, normal, outward, rough), back, media_from(b), mirror_rays);
+        add_ray(b, i, lane3(&b->point, i), mirrored(view, normal, outward, rough), back, media_from(b), s->mirrored);
     daft_vec3 on = daft_mul(weight, daft_scale(material->transmittance, 1 - f.fresnel));
     if (counts(on, allowed->min))
-        add_ray(b, i, place_beyond(snapshot, b, i), refracted(&f, view, normal, outward), on, media_beyond(b),
-                refracted_rays);
+        add_ray(b, i, place_beyond(s, i), refracted(&f, view, normal, outward), on, media_beyond(b), s->refracted);
 }
 
 /* What a surface that blends does not cover: straight on. */
-static void pass_through(const daft_snapshot *snapshot, const daft_batch *b, uint32_t i, daft_vec3 weight, float min,
-                         daft_ray_batch *rays)
+static void pass_through(spawning *s, uint32_t i)
 {
-    const daft_vec3 left = daft_scale(weight, 1 - b->varying->opacity[i]);
-    if (counts(left, min))
-        add_ray(b, i, place_beyond(snapshot, b, i), daft_neg(lane3(&b->view, i)), left, media_from(b), rays);
+    const daft_batch *b = s->b;
+    const daft_vec3 left = daft_scale(lane3(&b->weight, i), 1 - b->varying->opacity[i]);
+    if (counts(left, s->allowed->min))
+        add_ray(b, i, place_beyond(s, i), daft_neg(lane3(&b->view, i)), left, media_from(b), s->refracted);
 }
 
 /* A surface within a medium that wins: it is not there. */
-static void pass_by(const daft_snapshot *snapshot, const daft_batch *b, uint32_t i, float min, daft_ray_batch *rays)
+static void pass_by(spawning *s, uint32_t i)
 {
+    const daft_batch *b = s->b;
     const daft_vec3 weight = lane3(&b->weight, i);
-    if (rays && counts(weight, min))
-        add_ray(b, i, place_beyond(snapshot, b, i), daft_neg(lane3(&b->view, i)), weight, media_beyond(b), rays);
+    if (s->refracted && s->allowed->refracts && counts(weight, s->allowed->min))
+        add_ray(b, i, place_beyond(s, i), daft_neg(lane3(&b->view, i)), weight, media_beyond(b), s->refracted);
+}
+
+/* What point i mirrors and, where it transmits, refracts. */
+static void send(spawning *s, uint32_t i)
+{
+    const daft_batch *b = s->b;
+    const daft_spawning *allowed = s->allowed;
+    const daft_surface *material = &s->snapshot->materials[b->material[i]];
+    const daft_varying *varying = b->traits & DAFT_TRAIT_VARIES ? b->varying : NULL;
+    const float alpha = varying ? varying->alpha[i] : material->alpha;
+    const bool rough = allowed->rough && alpha > 0;
+    if (allowed->ray && !rough) return;
+    daft_vec3 weight = lane3(&b->weight, i);
+    if (rough) weight = daft_scale(weight, 1 / (float)allowed->rays);
+    const daft_vec3 own = varying ? lane3(&varying->mirror, i) : material->mirror;
+    const daft_vec3 mirror = allowed->mirrors ? own : daft_v3(0, 0, 0);
+    if (s->refracted && allowed->refracts && material->transmission > 0) {
+        divide(s, i, alpha, mirror, weight);
+        return;
+    }
+    weight = daft_mul(weight, mirror);
+    if (!counts(weight, allowed->min)) return;
+    const daft_vec3 normal = facet_at(b, i, alpha, allowed);
+    const daft_vec3 d = mirrored(lane3(&b->view, i), normal, lane3(&b->outward, i), rough);
+    add_ray(b, i, lane3(&b->point, i), d, weight, media_from(b), s->mirrored);
 }
 
 static void spawn(const daft_snapshot *snapshot, const daft_batch *b, const daft_spawning *allowed,
                   daft_ray_batch *mirror_rays, daft_ray_batch *refracted_rays)
 {
-    const float share = 1 / (float)allowed->rays;
-    const daft_varying *varying = b->traits & DAFT_TRAIT_VARIES ? b->varying : NULL;
+    spawning s = {snapshot, b, allowed, mirror_rays, refracted_rays, {.instance = UINT32_MAX}};
     const bool blends = b->traits & DAFT_TRAIT_BLEND && allowed->blends && refracted_rays && allowed->ray == 0;
     mirror_rays->count = 0;
     if (refracted_rays) refracted_rays->count = 0;
     for (uint32_t i = 0; i < b->count; i++) {
-        const daft_surface *material = &snapshot->materials[b->material[i]];
-        const float alpha = varying ? varying->alpha[i] : material->alpha;
-        const bool rough = allowed->rough && alpha > 0;
         if (b->media && b->media->eta[i] == 0) {
-            if (allowed->ray == 0) pass_by(snapshot, b, i, allowed->min, allowed->refracts ? refracted_rays : NULL);
+            if (allowed->ray == 0) pass_by(&s, i);
             continue;
         }
-        if (blends && varying->opacity[i] < 1)
-            pass_through(snapshot, b, i, lane3(&b->weight, i), allowed->min, refracted_rays);
-        if (allowed->ray && !rough) continue;
-        daft_vec3 weight = rough ? daft_scale(lane3(&b->weight, i), share) : lane3(&b->weight, i);
-        const daft_vec3 own = varying ? lane3(&varying->mirror, i) : material->mirror;
-        daft_vec3 mirror = allowed->mirrors ? own : daft_v3(0, 0, 0);
-        if (refracted_rays && allowed->refracts && material->transmission > 0) {
-            divide(snapshot, b, i, alpha, mirror, weight, allowed, mirror_rays, refracted_rays);
-            continue;
-        }
-        weight = daft_mul(weight, mirror);
-        if (!counts(weight, allowed->min)) continue;
-        const daft_vec3 normal = facet_at(b, i, alpha, allowed);
-        daft_vec3 d = mirrored(lane3(&b->view, i), normal, lane3(&b->outward, i), rough);
-        add_ray(b, i, lane3(&b->point, i), d, weight, media_from(b), mirror_rays);
+        if (blends && b->varying->opacity[i] < 1) pass_through(&s, i);
+        send(&s, i);
     }
 }
 
