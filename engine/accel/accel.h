@@ -109,6 +109,12 @@ typedef struct daft_pierced {
 /* False: no more is asked. */
 typedef bool daft_pierced_at(void *user, const daft_pierced *hit);
 
+/* A leaf of an instance's tree; instance DAFT_NO_LEAF: none. */
+#define DAFT_NO_LEAF UINT32_MAX
+typedef struct daft_pierced_leaf {
+    uint32_t instance, child;
+} daft_pierced_leaf;
+
 /* Sixteen rays side by side. */
 enum { DAFT_PACKET = 16 };
 typedef struct daft_ray_packet {
@@ -153,8 +159,13 @@ typedef struct daft_accel_kernels {
     /* Sets bit i % 32 of occluded[i / 32] for the rays that are occluded and clears it for the others. */
     void (*occluded_stream)(const daft_tlas *tlas, const daft_ray *rays, uint32_t count, uint32_t *occluded);
     /* Tells of each hit in tmin <= t <= tmax with the instances of DAFT_INSTANCE_FILTERS_SHADOW, once for each triangle
-     * that is not DAFT_OPACITY_CLEAR and up to twice for a sphere, in an order that hangs on the trees alone. */
-    void (*pierce)(const daft_tlas *tlas, const daft_ray *ray, daft_pierced_at *at, void *user);
+     * that is not DAFT_OPACITY_CLEAR and up to twice for a sphere, in an order that hangs on the trees alone. Where
+     * `at` asks for no more within a leaf of a mesh, that is written to *last. */
+    void (*pierce)(const daft_tlas *tlas, const daft_ray *ray, daft_pierced_at *at, void *user,
+                   daft_pierced_leaf *last);
+    /* Tells of the hits in one leaf alone, which `pierce` gave for these instances. True: `at` asks for no more. */
+    bool (*pierce_leaf)(const daft_tlas *tlas, const daft_ray *ray, const daft_pierced_leaf *leaf, daft_pierced_at *at,
+                        void *user);
     /* Bits of the node's children that the ray meets in its interval, by their bounds; never those of an empty box. */
     uint32_t (*boxes)(const daft_node *node, const daft_ray *ray);
     /* daft_instance_bound for each instance, with the same bits. */

@@ -99,6 +99,7 @@ typedef struct daft_scratch {
     uint32_t tiles[DAFT_EFFECT_COUNT];
     uint64_t rays_cast[DAFT_EFFECT_COUNT];
     uint64_t shadow_points;
+    daft_pierced_leaf last_stop;      /* of the rays through surfaces with alpha in this pass over the tile */
     uint64_t alpha_rays, alpha_reads; /* rays through surfaces with alpha, and texels that these read */
 } daft_scratch;
 

@@ -12,6 +12,7 @@ typedef struct piercing {
     void *user;
     uint32_t instance;
     const uint8_t *opacity; /* the instance's */
+    daft_pierced_leaf *last;
 } piercing;
 
 static bool tell(const piercing *p, uint32_t triangle, float t, float u, float v)
@@ -74,20 +75,28 @@ static bool leaf_pierce(const piercing *p, const daft_block *blocks, uint32_t ch
     return true;
 }
 
+static daft_mesh_ray mesh_ray(const piercing *p, const simd_ray *local)
+{
+    const v4 o = local->origin, d = local->direction;
+    return daft_mesh_ray_of(daft_v3(o[0], o[1], o[2]), daft_v3(d[0], d[1], d[2]), p->ray->tmin, p->ray->tmax,
+                            p->tlas->intersection);
+}
+
 static bool mesh_pierce(const piercing *p, const daft_bvh *bvh, const simd_ray *local)
 {
     const daft_ray *ray = p->ray;
-    const v4 o = local->origin, d = local->direction;
-    const daft_mesh_ray r = daft_mesh_ray_of(daft_v3(o[0], o[1], o[2]), daft_v3(d[0], d[1], d[2]), ray->tmin, ray->tmax,
-                                             p->tlas->intersection);
-    const slab_origin at = slab_origin_of(o);
+    const daft_mesh_ray r = mesh_ray(p, local);
+    const slab_origin at = slab_origin_of(local->origin);
     const v8 low = v8_set(daft_before(ray->tmin)), high = v8_set(daft_past(ray->tmax));
     code_stack stack;
     uint32_t *top = stack.items, child = first_child(bvh, 0);
     for (*top++ = DAFT_CHILD_NONE; child != DAFT_CHILD_NONE;) {
         v8 near;
         if (child & DAFT_CHILD_LEAF) {
-            if (!leaf_pierce(p, bvh->blocks, child, &r, ray->tmax)) return false;
+            if (!leaf_pierce(p, bvh->blocks, child, &r, ray->tmax)) {
+                *p->last = (daft_pierced_leaf){p->instance, child};
+                return false;
+            }
             child = *--top;
             continue;
         }
@@ -109,6 +118,15 @@ static bool sphere_pierce(const piercing *p, const daft_instance *s)
     return far < after || tell(p, 0, far, 0, 0);
 }
 
+/* The ray in the instance's space. False: it has none there. */
+static bool move_ray(const daft_instance *instance, const simd_ray *frame, simd_ray *local)
+{
+    if (!daft_is_translation(&instance->to_object)) return to_object_space(&instance->to_object, frame, local);
+    *local = *frame;
+    local->origin = frame->origin + translation_of(&instance->to_object);
+    return finite_lanes(local->origin, local->origin);
+}
+
 static bool instance_pierce(piercing *p, uint32_t index, const simd_ray *frame)
 {
     const daft_instance *instance = &p->tlas->instances[index];
@@ -117,16 +135,27 @@ static bool instance_pierce(piercing *p, uint32_t index, const simd_ray *frame)
     if (!instance->mesh) return sphere_pierce(p, instance);
     if (instance->mesh->triangle_count == 0) return true;
     simd_ray local = *frame;
-    if (!daft_is_translation(&instance->to_object))
-        return !to_object_space(&instance->to_object, frame, &local) || mesh_pierce(p, instance->bvh, &local);
-    local.origin = frame->origin + translation_of(&instance->to_object);
-    return !finite_lanes(local.origin, local.origin) || mesh_pierce(p, instance->bvh, &local);
+    return !move_ray(instance, frame, &local) || mesh_pierce(p, instance->bvh, &local);
 }
 
-void DAFT_KERNEL(daft_pierce)(const daft_tlas *tlas, const daft_ray *ray, daft_pierced_at *at, void *user)
+bool DAFT_KERNEL(daft_pierce_leaf)(const daft_tlas *tlas, const daft_ray *ray, const daft_pierced_leaf *leaf,
+                                   daft_pierced_at *at, void *user)
+{
+    if (leaf->instance == DAFT_NO_LEAF || !daft_ray_usable(ray)) return false;
+    const daft_instance *instance = &tlas->instances[leaf->instance];
+    const piercing p = {tlas, ray, at, user, leaf->instance, instance->opacity, NULL};
+    const simd_ray frame = simd_ray_of(ray);
+    simd_ray local = frame;
+    if (!move_ray(instance, &frame, &local)) return false;
+    const daft_mesh_ray r = mesh_ray(&p, &local);
+    return !leaf_pierce(&p, instance->bvh->blocks, leaf->child, &r, ray->tmax);
+}
+
+void DAFT_KERNEL(daft_pierce)(const daft_tlas *tlas, const daft_ray *ray, daft_pierced_at *at, void *user,
+                              daft_pierced_leaf *last)
 {
     if (tlas->nodes.count == 0 || !daft_ray_usable(ray)) return;
-    piercing p = {.tlas = tlas, .ray = ray, .at = at, .user = user};
+    piercing p = {.tlas = tlas, .ray = ray, .at = at, .user = user, .last = last};
     const simd_ray frame = simd_ray_of(ray);
     slab_origin from, until;
     slab_upper_origins(frame.origin, frame.direction, &from, &until);

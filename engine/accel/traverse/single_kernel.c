@@ -396,5 +396,6 @@ const daft_accel_kernels DAFT_KERNEL(daft_accel) = {closest,
                                                     DAFT_KERNEL(daft_closest_arrays),
                                                     DAFT_KERNEL(daft_occluded_stream),
                                                     DAFT_KERNEL(daft_pierce),
+                                                    DAFT_KERNEL(daft_pierce_leaf),
                                                     boxes,
                                                     DAFT_KERNEL(daft_bound_all)};

@@ -80,18 +80,29 @@ static bool meet(void *user, const daft_pierced *hit)
 
 static daft_vec3 lane(const daft_lanes3 *v, uint32_t i) { return daft_v3(v->x[i], v->y[i], v->z[i]); }
 
-daft_vec3 daft_tile_filtered(tile_job *j, const daft_batch *points, uint32_t i, const daft_ray *ray)
+/* `neighbours`: the rays of a batch go to one light, so what stopped the one before often stops this one, too, and is
+ * asked first. Any order gives the same: where a hit takes all of the light, nothing else of it is told. */
+static daft_vec3 left_of(tile_job *j, const daft_batch *points, uint32_t i, const daft_ray *ray, bool neighbours)
 {
     const bool flat = j->snapshot->instances[points->instance[i]].mesh != NULL;
     const bool leaves = flat && daft_dot(lane(&points->outward, i), ray->direction) > 0;
+    daft_pierced_leaf *last = &j->s->last_stop;
     beam b = {.j = j,
               .ray = *ray,
               .instance = points->instance[i],
               .own = leaves ? points->triangle[i] : UINT32_MAX,
               .left = {1, 1, 1}};
-    j->r->accel->pierce(j->frame->tlas, ray, meet, &b);
+    if (!neighbours || !j->r->accel->pierce_leaf(j->frame->tlas, ray, last, meet, &b)) {
+        b.left[0] = b.left[1] = b.left[2] = 1;
+        j->r->accel->pierce(j->frame->tlas, ray, meet, &b, last);
+    }
     j->s->alpha_rays++, j->s->alpha_reads += b.reads;
     return daft_v3((float)b.left[0], (float)b.left[1], (float)b.left[2]);
+}
+
+daft_vec3 daft_tile_filtered(tile_job *j, const daft_batch *points, uint32_t i, const daft_ray *ray)
+{
+    return left_of(j, points, i, ray, false);
 }
 
 /* Of point i: false where nothing of the light is left. */
@@ -102,7 +113,7 @@ static bool filter_point(tile_job *j, const daft_batch *points, uint32_t i, cons
     const daft_ray ray = {.origin = from,
                           .direction = light->sun ? light->to_light : daft_sub(light->position, from),
                           .tmax = light->sun ? INFINITY : 1};
-    const daft_vec3 left = daft_tile_filtered(j, points, i, &ray);
+    const daft_vec3 left = left_of(j, points, i, &ray, true);
     if (left.x == 1 && left.y == 1 && left.z == 1) return true;
     if (!(left.x > 0 || left.y > 0 || left.z > 0)) return false;
     *some = true;

@@ -71,27 +71,57 @@ void daft_tile_trace(tile_job *j, daft_ray_batch *rays, uint32_t mirrored, uint3
     book_both(j, DAFT_EFFECT_REFLECTION, DAFT_EFFECT_REFRACTION, mirrored, rays->count);
 }
 
-/* What mirrors show where they are not followed any more: the sky's mean colour. In rooms under a black sky it is the
- * ambient light, which stands for all that is around. */
-static daft_vec3 end_color(const daft_snapshot *s)
+/* Adds the sky along rays that meet nothing. */
+void daft_tile_add_sky(tile_job *j, const daft_ray_batch *rays)
 {
-    const daft_vec3 mean = s->sky.mean;
-    return mean.x > 0 || mean.y > 0 || mean.z > 0 ? mean : s->ambient.color;
+    if (rays->count == 0) return;
+    daft_scratch *s = j->s;
+    j->r->shade->sky(&j->snapshot->sky, &rays->direction, rays->count, &s->sky_color);
+    j->r->shade->scatter_add(&s->color, rays->pixel, rays->count, &rays->weight, &s->sky_color);
+    ran(j, DAFT_EFFECT_SKY);
+    book(j, DAFT_EFFECT_SKY);
 }
 
-static void end_mirrors(tile_job *j, const daft_batch *points, const daft_spawning *last)
+static bool is_black(daft_vec3 c) { return !(c.x > 0 || c.y > 0 || c.z > 0); }
+
+/* What is shown where rays are not followed any more: the sky's mean colour. In rooms under a black sky it is the
+ * ambient light, which stands for all that is around. */
+static void add_mean(tile_job *j, const daft_ray_batch *rays)
+{
+    daft_lanes3 *color = &j->s->color;
+    const daft_vec3 mean = j->snapshot->sky.mean, end = is_black(mean) ? j->snapshot->ambient.color : mean;
+    for (uint32_t i = 0; i < rays->count; i++) {
+        const uint32_t pixel = rays->pixel[i];
+        color->x[pixel] += rays->weight.x[i] * end.x, color->y[pixel] += rays->weight.y[i] * end.y;
+        color->z[pixel] += rays->weight.z[i] * end.z;
+    }
+}
+
+static void end_in(tile_job *j, daft_ray_batch *rays, bool sky)
+{
+    if (sky)
+        daft_tile_add_sky(j, rays);
+    else
+        add_mean(j, rays);
+    rays->count = 0;
+}
+
+/* Where a quality follows no mirrored rays at all, mirrors show the sky as if nothing stood before it, and so does what
+ * transmits where no refracted rays are followed. Mirrors in mirrors end in the mean colour. */
+static void end_rays(tile_job *j, const daft_batch *points, const daft_spawning *last, int depth)
 {
     daft_spawning all = *last;
     daft_scratch *s = j->s;
-    const daft_vec3 end = end_color(j->snapshot);
-    all.mirrors = true, all.rough = false;
-    j->r->kernels->spawn(j->snapshot, points, &all, &s->rays, NULL, NULL);
-    for (uint32_t i = 0; i < s->rays.count; i++) {
-        const uint32_t pixel = s->rays.pixel[i];
-        s->color.x[pixel] += s->rays.weight.x[i] * end.x, s->color.y[pixel] += s->rays.weight.y[i] * end.y;
-        s->color.z[pixel] += s->rays.weight.z[i] * end.z;
-    }
-    s->rays.count = 0;
+    const daft_quality *q = &j->snapshot->quality;
+    const bool sky = depth == 0 && !is_black(j->snapshot->sky.mean);
+    all.mirrors = !last->mirrors && (j->frame->plan.reflects || q->mirror_depth == 0);
+    all.refracts = depth == 0 && q->refraction_depth == 0;
+    if (!all.mirrors && !all.refracts) return;
+    all.rough = false;
+    s->sky.count = 0;
+    j->r->kernels->spawn(j->snapshot, points, &all, &s->rays, all.refracts ? &s->sky : NULL, NULL);
+    end_in(j, &s->rays, sky && q->mirror_depth == 0);
+    end_in(j, &s->sky, sky);
 }
 
 void daft_tile_spawn(tile_job *j, const daft_batch *points, int depth, uint32_t ray, uint32_t rays)
@@ -115,7 +145,7 @@ void daft_tile_spawn(tile_job *j, const daft_batch *points, int depth, uint32_t 
     daft_ray_batch *straight = refracts ? waiting + plan->through_lists - 1 : NULL;
     j->s->rays.count = 0;
     if (!(points->traits & DAFT_TRAIT_SENDS)) return;
-    if (!allowed.mirrors && (plan->reflects || plan->quality->mirror_depth == 0)) end_mirrors(j, points, &allowed);
+    if (allowed.ray == 0) end_rays(j, points, &allowed, depth);
     if (allowed.mirrors || refracts)
         j->r->kernels->spawn(j->snapshot, points, &allowed, &j->s->rays, waiting, straight);
 }

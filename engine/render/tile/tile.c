@@ -10,6 +10,7 @@
 void daft_tile_see(tile_job *j, daft_tile *out)
 {
     daft_scratch *s = j->s;
+    s->last_stop.instance = DAFT_NO_LEAF;
     if (j->snapshot->quality.tree != DAFT_TREE_RASTER)
         daft_reference_tile(&j->r->raster, j->frame->tlas, j->number, j->part, out);
     else
@@ -172,17 +173,6 @@ static void light_points(tile_job *j, daft_batch *points, int depth)
     book(j, DAFT_EFFECT_LIGHTING);
 }
 
-/* Adds the sky along rays that were followed. */
-static void add_sky(tile_job *j, const daft_ray_batch *rays)
-{
-    if (rays->count == 0) return;
-    daft_scratch *s = j->s;
-    j->r->shade->sky(&j->snapshot->sky, &rays->direction, rays->count, &s->sky_color);
-    j->r->shade->scatter_add(&s->color, rays->pixel, rays->count, &rays->weight, &s->sky_color);
-    ran(j, DAFT_EFFECT_SKY);
-    book(j, DAFT_EFFECT_SKY);
-}
-
 /* What the pixels see without anything that is sent on. A tile full of surfaces has its points in the pixels' order,
  * and their light is the picture. */
 static void shade_visible(tile_job *j)
@@ -255,7 +245,7 @@ static void follow(tile_job *j, uint32_t ray, uint32_t rays)
         daft_tile_trace(j, sent, mirrored, shown, next);
         if (gloss) gloss->asks = false;
         if (sent != &s->rays) sent->count = 0;
-        add_sky(j, &s->sky);
+        daft_tile_add_sky(j, &s->sky);
         daft_batch *done = points == &s->points ? other : points;
         points = next, next = done;
     }

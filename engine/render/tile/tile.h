@@ -104,6 +104,8 @@ daft_ray_batch *daft_tile_join(const tile_job *j, int depth);
 /* Traces rays, `mirrored` of them mirrored and the rest refracted, of which fog takes weight: hits become the batch
  * `next`, misses see s->sky. `shown`: bits of the planar mirrors that know their rays' hits. */
 void daft_tile_trace(tile_job *j, daft_ray_batch *rays, uint32_t mirrored, uint32_t shown, daft_batch *next);
+/* Adds the sky along rays that meet nothing. */
+void daft_tile_add_sky(tile_job *j, const daft_ray_batch *rays);
 /* The deepest of the refracted rays that wait for points at `depth` or less to be done, whose depth this becomes.
  * Deeper ones have been followed, so the lists of each depth are room enough. NULL: none. */
 daft_ray_batch *daft_tile_waiting(const tile_job *j, int *depth);

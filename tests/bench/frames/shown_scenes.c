@@ -1,5 +1,6 @@
 /* Rows `scene frame, NAME`: each scene of assets/scenes in quality `game`, through daft.h alone: with one sample a
- * pixel, and as it is, with antialiasing. The first camera sways for 120 frames (sway.h), so that each is drawn in
+ * pixel; as it is, with antialiasing; and doing no more than the peer does: light is not sampled, and mirrors and glass
+ * show the sky. The first camera sways for 120 frames (sway.h), so that each is drawn in
  * full. What the engine keeps from frame to frame stays kept, as for a user. The row also reports the time of a frame
  * in which nothing moves. The peer is llvmpipe, with one sample a pixel and with four. */
 #include "frames/users.h"
@@ -21,13 +22,23 @@ typedef struct show {
 
 static void ignore(void *user, const daft_error *warning) { (void)user, (void)warning; }
 
-static bool open_show(bench *self, const char *path, int threads, bool smooth, show *s, daft_error *error)
+typedef enum show_kind { SHOW_PLAIN, SHOW_ANTIALIASED, SHOW_EQUAL_WORK, SHOW_KINDS } show_kind;
+static const char *const KINDS[SHOW_KINDS] = {"", ", antialiased", ", equal work"};
+
+static daft_quality quality_of(show_kind kind)
+{
+    daft_quality q = daft_preset_quality(DAFT_PRESET_GAME);
+    if (kind != SHOW_ANTIALIASED) q.edge_samples = 0;
+    if (kind == SHOW_EQUAL_WORK) sway_equal_work(&q);
+    return q;
+}
+
+static bool open_show(bench *self, const char *path, int threads, show_kind kind, show *s, daft_error *error)
 {
     daft_engine_def def = daft_default_engine_def();
     def.threads = threads, def.isa = self->isa, def.warn = ignore;
     *s = (show){.view = daft_default_view(), .threads = threads};
-    s->view.quality = daft_preset_quality(DAFT_PRESET_GAME);
-    if (!smooth) s->view.quality.edge_samples = 0;
+    s->view.quality = quality_of(kind);
     s->engine = daft_engine_create(&def, error);
     if (s->engine) s->scene = daft_scene_create(s->engine, error);
     if (s->scene && daft_scene_load(s->scene, path, error))
@@ -69,20 +80,19 @@ static bool show_all(show *s, users_frames *out)
     return true;
 }
 
-/* smooth: with the quality's antialiasing; else with one sample a pixel. */
-static void measure_scene(bench *self, const char *row, const char *path, int threads, bool smooth)
+static void measure_scene(bench *self, const char *row, const char *path, int threads, show_kind kind)
 {
     show s;
     daft_error error = {0};
     char text[1200], note[64];
     users_frames best = {0}, peer = {0};
     fprintf(stderr, "%s, %d thread%s\n", row, threads, threads == 1 ? "" : "s");
-    bool good = open_show(self, path, threads, smooth, &s, &error) && draw(&s, &s.view.camera) >= 0;
+    bool good = open_show(self, path, threads, kind, &s, &error) && draw(&s, &s.view.camera) >= 0;
     for (int i = 0; good && i < (self->rounds ? self->rounds : 2); i++) {
         users_frames f;
         good = show_all(&s, &f);
         if (i == 0 || f.median < best.median) best = f;
-        users_peer(self, "scene", path, threads, smooth, &peer);
+        users_peer(self, "scene", path, threads, kind == SHOW_ANTIALIASED, &peer);
     }
     if (good) {
         draw(&s, &s.view.camera);
@@ -102,11 +112,11 @@ void bench_shown_scenes(bench *self)
     for (int i = 0; i < found; i++) {
         char row[80], path[512];
         snprintf(path, sizeof path, "%s/assets/scenes/%.200s", DAFT_ROOT, files[i]->d_name);
-        for (int smooth = 0; smooth < 2; smooth++) {
+        for (show_kind kind = 0; kind < SHOW_KINDS; kind++) {
             snprintf(row, sizeof row, "scene frame, %.*s%s", (int)(strlen(files[i]->d_name) - 6), files[i]->d_name,
-                     smooth ? ", antialiased" : "");
+                     KINDS[kind]);
             if (users_wants(self, row))
-                for (int t = 0; t < count; t++) measure_scene(self, row, path, counts[t], smooth);
+                for (int t = 0; t < count; t++) measure_scene(self, row, path, counts[t], kind);
         }
         free(files[i]);
     }

@@ -4,6 +4,7 @@
 #define DAFT_BENCH_SWAY_H
 
 #include "daft.h"
+#include "math/vec.h"
 #include "math/trig.h"
 
 #include <stdlib.h>
@@ -20,6 +21,13 @@ static inline daft_camera sway(const daft_camera *from, int frame)
     camera.position.x += along * c - across * s, camera.position.z += along * s + across * c;
     camera.yaw += (float)(6 * DAFT_PI / 180 * daft_sin(turn));
     return camera;
+}
+
+/* What the peer leaves out is off: light is not sampled, mirrors and what transmits show the sky. */
+static inline void sway_equal_work(daft_quality *q)
+{
+    q->shadow_samples = q->occlusion_samples = q->glossy_samples = q->mirror_depth = q->refraction_depth = 0;
+    q->denoise = false;
 }
 
 static inline int sway_by_time(const void *a, const void *b)

@@ -37,10 +37,13 @@ static int by_call(const void *a, const void *b)
     return x->distance < y->distance ? -1 : x->distance > y->distance;
 }
 
+/* What blends last, farthest first. */
 static int by_distance(const void *a, const void *b)
 {
-    const float x = ((const peer_group *)a)->nearest, y = ((const peer_group *)b)->nearest;
-    return x < y ? -1 : x > y;
+    const peer_group *x = a, *y = b;
+    if (x->blends != y->blends) return x->blends ? 1 : -1;
+    const float p = x->blends ? y->nearest : x->nearest, q = x->blends ? x->nearest : y->nearest;
+    return p < q ? -1 : p > q;
 }
 
 static bool add_part(peer_groups *g, const daft_allocator *allocator, peer_item item)
@@ -51,22 +54,35 @@ static bool add_part(peer_groups *g, const daft_allocator *allocator, peer_item 
     return true;
 }
 
+static bool casts(const daft_instance *instance)
+{
+    return instance->flags & (DAFT_INSTANCE_CASTS_SHADOW | DAFT_INSTANCE_FILTERS_SHADOW);
+}
+
+/* Slot by slot, but for casters without masks. What blends casts none. */
+static bool add_instance(peer_groups *g, peer_assets *assets, const daft_snapshot *s, uint32_t number, bool casters)
+{
+    const daft_instance *instance = &s->instances[number];
+    const uint32_t mesh = peer_mesh_of(assets, instance->mesh);
+    if (mesh == UINT32_MAX) return false;
+    peer_item item = {mesh, UINT32_MAX, UINT32_MAX, number, distance_to(instance)};
+    if (casters && !(instance->flags & DAFT_INSTANCE_FILTERS_SHADOW)) return add_part(g, &assets->allocator, item);
+    for (uint32_t k = 0; k < assets->meshes[mesh].range_count; k++) {
+        item.range = k, item.material = instance->materials[assets->meshes[mesh].ranges[k].slot];
+        if (casters && peer_traits_of(&s->materials[item.material]) & PEER_BLEND) continue;
+        if (!add_part(g, &assets->allocator, item)) return false;
+    }
+    return true;
+}
+
 static bool find_parts(peer_groups *g, peer_assets *assets, const daft_snapshot *s, const peer_planes *inside,
                        bool casters)
 {
     g->part_count = 0;
     for (uint32_t i = 0; i < s->instance_count; i++) {
         const daft_instance *instance = &s->instances[i];
-        if (casters && !(instance->flags & DAFT_INSTANCE_CASTS_SHADOW)) continue;
-        if (outside(instance, inside)) continue;
-        const uint32_t mesh = peer_mesh_of(assets, instance->mesh);
-        if (mesh == UINT32_MAX) return false;
-        peer_item item = {mesh, UINT32_MAX, UINT32_MAX, i, distance_to(instance)};
-        if (casters && !add_part(g, &assets->allocator, item)) return false;
-        for (uint32_t k = 0; !casters && k < assets->meshes[mesh].range_count; k++) {
-            item.range = k, item.material = instance->materials[assets->meshes[mesh].ranges[k].slot];
-            if (!add_part(g, &assets->allocator, item)) return false;
-        }
+        if ((casters && !casts(instance)) || outside(instance, inside)) continue;
+        if (!add_instance(g, assets, s, i, casters)) return false;
     }
     return true;
 }
@@ -113,8 +129,11 @@ bool peer_groups_fill(peer_groups *g, peer_assets *assets, const daft_snapshot *
         if (i && same_call(part, part - 1))
             g->items[g->count - 1].count++;
         else
-            g->items[g->count++] = (peer_group){part->mesh, part->range, part->material, i, 1, part->distance, false};
-        g->items[g->count - 1].turned |= mirrors(&s->instances[part->instance].to_frame);
+            g->items[g->count++] =
+                (peer_group){part->mesh, part->range, part->material, i, 1, part->distance, false, false};
+        peer_group *group = &g->items[g->count - 1];
+        group->turned |= mirrors(&s->instances[part->instance].to_frame);
+        group->blends = part->range != UINT32_MAX && peer_traits_of(&s->materials[part->material]) & PEER_BLEND;
     }
     qsort(g->items, g->count, sizeof *g->items, by_distance);
     if (!g->buffer) glGenBuffers(1, &g->buffer);

@@ -1,7 +1,8 @@
-/* A frame: the shadow map, then surfaces by groups, nearest first, then the sky where nothing is. */
+/* A frame: the shadow map, then surfaces by groups, nearest first, then the sky where nothing is, then what blends. */
 #include "llvmpipe/peer.h"
 
 #include <GL/osmesa.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,6 +10,7 @@
 /* Where a program's uniforms are. */
 typedef struct surface_program {
     GLuint name;
+    uint64_t frame; /* that it has been told of */
     GLint map_scale, ambient, emission, diffuse, specular, mirror, transmittance, shininess, transmission, index, blur;
 } surface_program;
 
@@ -20,7 +22,8 @@ struct peer {
     peer_assets assets;
     peer_groups groups;
     peer_shadow shadow;
-    peer_light_counts lights; /* that the programs are for */
+    peer_frame_traits traits; /* that the programs are for */
+    uint64_t frame;
     surface_program programs[PEER_PROGRAMS];
     GLuint sky_program, no_array;
 };
@@ -77,7 +80,7 @@ peer *peer_create(const peer_def *def)
     bool good = make_context(self) && make_target(def, 0, &self->single);
     if (good && def->antialiased) good = make_target(def, 4, &self->target);
     if (good && !def->antialiased) self->target = self->single;
-    good = good && peer_shadow_create(&self->shadow) && (self->sky_program = peer_sky_program());
+    good = good && peer_shadow_create(&self->shadow);
     if (good) {
         glGenVertexArrays(1, &self->no_array);
         return self;
@@ -141,9 +144,10 @@ static camera camera_of(const daft_snapshot *s)
 
 /* ---- programs and lights ---- */
 
-static peer_light_counts count_lights(const daft_snapshot *s)
+static peer_frame_traits traits_of_frame(const daft_snapshot *s)
 {
-    peer_light_counts c = {0};
+    peer_frame_traits c = {.around = s->ambient.by_normal};
+    c.exposed = daft_tone_changes(&s->tone), c.curve = s->tone.curve;
     for (uint32_t i = 0; i < s->light_count && i < PEER_LIGHTS; i++) {
         const daft_light_source *light = &s->lights[i];
         if (light->sun)
@@ -157,7 +161,7 @@ static peer_light_counts count_lights(const daft_snapshot *s)
 }
 
 /* By their kinds: suns, points, spots. */
-static void set_lights(GLuint program, const daft_snapshot *s, const peer_light_counts *counts)
+static void set_lights(GLuint program, const daft_snapshot *s, const peer_frame_traits *counts)
 {
     daft_vec3 at[PEER_LIGHTS], color[PEER_LIGHTS], axis[PEER_LIGHTS] = {{0, 0, 0}};
     float cone[PEER_LIGHTS][2] = {{0, 0}}, range2[PEER_LIGHTS];
@@ -182,9 +186,9 @@ static void set_lights(GLuint program, const daft_snapshot *s, const peer_light_
     if (counts->spots) glUniform2fv(glGetUniformLocation(program, "spot_cone"), counts->spots, &cone[0][0]);
 }
 
-static surface_program make_program(uint32_t traits, const peer_light_counts *lights)
+static surface_program make_program(uint32_t traits, const peer_frame_traits *frame)
 {
-    const GLuint p = peer_surface_program(traits, lights);
+    const GLuint p = peer_surface_program(traits, frame);
     surface_program out = {.name = p};
     if (!p) return out;
 #define FIND(member) out.member = glGetUniformLocation(p, #member)
@@ -198,66 +202,83 @@ static surface_program make_program(uint32_t traits, const peer_light_counts *li
     return out;
 }
 
-/* Makes the programs that the frame needs anew where its lights are others; sets what all groups share. */
-static bool prepare_programs(peer *self, const daft_snapshot *s, const camera *c)
+static void set_exposure(GLuint program, const daft_snapshot *s)
 {
-    const peer_light_counts lights = count_lights(s);
-    const bool same = lights.suns == self->lights.suns && lights.points == self->lights.points &&
-                      lights.spots == self->lights.spots && lights.shadow == self->lights.shadow;
+    glUniform1f(glGetUniformLocation(program, "exposure"), exp2f(s->tone.ev));
+}
+
+/* Programs for other frames are of no use. */
+static bool begin_programs(peer *self, const daft_snapshot *s)
+{
+    const peer_frame_traits traits = traits_of_frame(s), *old = &self->traits;
+    const bool same = traits.suns == old->suns && traits.points == old->points && traits.spots == old->spots &&
+                      traits.shadow == old->shadow && traits.around == old->around && traits.exposed == old->exposed &&
+                      traits.curve == old->curve;
+    self->frame++, self->traits = traits;
+    if (same && self->sky_program) return true;
     for (uint32_t i = 0; i < PEER_PROGRAMS; i++) {
-        surface_program *p = &self->programs[i];
-        if (!p->name || !same) {
-            glDeleteProgram(p->name);
-            *p = make_program(i, &lights);
-        }
-        if (!p->name) return false;
-        glUseProgram(p->name);
-        glUniformMatrix4fv(glGetUniformLocation(p->name, "view"), 1, GL_FALSE, c->to_clip);
-        glUniformMatrix4fv(glGetUniformLocation(p->name, "shadow_from"), 1, GL_FALSE, self->shadow.from_frame);
-        set_lights(p->name, s, &lights);
+        glDeleteProgram(self->programs[i].name);
+        self->programs[i] = (surface_program){0};
     }
-    self->lights = lights;
-    return true;
+    glDeleteProgram(self->sky_program);
+    return (self->sky_program = peer_sky_program(&traits));
+}
+
+/* Made when it is first called for; told once a frame of what all groups share. NULL: it fails. */
+static const surface_program *use_program(peer *self, uint32_t traits, const daft_snapshot *s, const camera *c)
+{
+    surface_program *p = &self->programs[traits];
+    if (!p->name) *p = make_program(traits, &self->traits);
+    if (!p->name) return NULL;
+    glUseProgram(p->name);
+    if (p->frame == self->frame) return p;
+    p->frame = self->frame;
+    glUniformMatrix4fv(glGetUniformLocation(p->name, "view"), 1, GL_FALSE, c->to_clip);
+    glUniformMatrix4fv(glGetUniformLocation(p->name, "shadow_from"), 1, GL_FALSE, self->shadow.from_frame);
+    const daft_vec3 *around = s->ambient.by_normal ? s->ambient.harmonics : &s->ambient.color;
+    glUniform3fv(glGetUniformLocation(p->name, "harmonics"), s->ambient.by_normal ? DAFT_HARMONICS : 1, &around->x);
+    set_exposure(p->name, s);
+    set_lights(p->name, s, &self->traits);
+    return p;
 }
 
 /* ---- surfaces ---- */
 
-static uint32_t traits_of(const daft_surface *m)
-{
-    const bool mirrors = m->mirror.x > 0 || m->mirror.y > 0 || m->mirror.z > 0;
-    const uint32_t traits = daft_surface_traits(m);
-    return (traits & DAFT_TRAIT_TEXTURE ? PEER_TEXTURE : 0u) | (traits & DAFT_TRAIT_SPECULAR ? PEER_SPECULAR : 0u) |
-           (mirrors ? PEER_MIRROR : 0u) | (m->transmission > 0 ? PEER_CLEAR : 0u);
-}
-
 static void set_color(GLint at, daft_vec3 c) { glUniform3f(at, c.x, c.y, c.z); }
 
-static void set_material(peer *self, const daft_snapshot *s, const daft_surface *m)
+static bool set_material(peer *self, const daft_snapshot *s, const camera *c, const daft_surface *m)
 {
-    const surface_program *p = &self->programs[traits_of(m)];
-    const daft_vec3 a = s->ambient.by_normal ? s->ambient.harmonics[0] : s->ambient.color; /* of a sky, its mean */
-    glUseProgram(p->name);
-    set_color(p->ambient, (daft_vec3){m->ambient.x * a.x, m->ambient.y * a.y, m->ambient.z * a.z});
+    const uint32_t traits = peer_traits_of(m);
+    const surface_program *p = use_program(self, traits, s, c);
+    if (!p) return false;
+    set_color(p->ambient, m->ambient);
     set_color(p->emission, m->emission), set_color(p->diffuse, m->diffuse), set_color(p->specular, m->specular);
     set_color(p->mirror, m->mirror), set_color(p->transmittance, m->transmittance);
     glUniform1f(p->shininess, m->shininess), glUniform1f(p->transmission, m->transmission);
     glUniform1f(p->index, m->index > 0 ? m->index : 1);
     glUniform1f(p->blur, sqrtf(sqrtf(m->alpha)) * 0.8f * (float)(self->assets.sky_levels - 1));
     glUniform2f(p->map_scale, m->map_scale.x, m->map_scale.y);
-    if (m->texture == DAFT_NO_TEXTURE) return;
+    if (traits & (PEER_MASK | PEER_BLEND)) peer_set_opacity(&self->assets, s, m, p->name);
+    if (m->texture == DAFT_NO_TEXTURE) return true;
     glActiveTexture(GL_TEXTURE0);
-    glBindTexture(GL_TEXTURE_2D, peer_texture_of(&self->assets, &s->textures[m->texture]));
+    glBindTexture(GL_TEXTURE_2D, peer_texture_of(&self->assets, &s->textures[m->texture], false));
+    return true;
 }
 
-static void draw_surfaces(peer *self, const daft_snapshot *s)
+static bool draw_surfaces(peer *self, const daft_snapshot *s, const camera *c, bool blends)
 {
-    glEnable(GL_DEPTH_TEST), glDepthFunc(GL_LESS), glDepthMask(GL_TRUE);
+    glEnable(GL_DEPTH_TEST), glDepthFunc(GL_LESS), glDepthMask(!blends);
+    (blends ? glEnable : glDisable)(GL_BLEND);
+    glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
     glActiveTexture(GL_TEXTURE1), glBindTexture(GL_TEXTURE_2D, self->shadow.map);
     for (size_t i = 0; i < self->groups.count; i++) {
         const peer_group *group = &self->groups.items[i];
-        set_material(self, s, &s->materials[group->material]);
+        if (group->blends != blends) continue;
+        if (!set_material(self, s, c, &s->materials[group->material])) return false;
         peer_group_draw(&self->groups, &self->assets, group);
     }
+    glDisable(GL_BLEND);
+    return true;
 }
 
 static void draw_sky(peer *self, const daft_snapshot *s)
@@ -269,6 +290,7 @@ static void draw_sky(peer *self, const daft_snapshot *s)
     set_color(glGetUniformLocation(self->sky_program, "up"), daft_scale(s->up, y));
     set_color(glGetUniformLocation(self->sky_program, "forward"), s->forward);
     glUniform1i(glGetUniformLocation(self->sky_program, "sky"), 2);
+    set_exposure(self->sky_program, s);
     glBindVertexArray(self->no_array);
     glDisable(GL_CULL_FACE);
     glDrawArrays(GL_TRIANGLES, 0, 3);
@@ -291,14 +313,15 @@ bool peer_draw(peer *self, const daft_snapshot *s)
     glBindTexture(GL_TEXTURE_CUBE_MAP, sky);
     if (sun && !peer_shadow_draw(&self->shadow, &self->assets, s, sun)) return false;
     if (!peer_groups_fill(&self->groups, &self->assets, s, &c.inside, false)) return false;
-    if (!prepare_programs(self, s, &c)) return false;
+    if (!begin_programs(self, s)) return false;
     glBindFramebuffer(GL_FRAMEBUFFER, self->target);
     glViewport(0, 0, self->def.width, self->def.height);
     glEnable(GL_FRAMEBUFFER_SRGB);
     glDepthMask(GL_TRUE);
     glClear(GL_DEPTH_BUFFER_BIT);
-    draw_surfaces(self, s);
+    if (!draw_surfaces(self, s, &c, false)) return false;
     draw_sky(self, s);
+    if (!draw_surfaces(self, s, &c, true)) return false;
     if (self->def.antialiased) {
         glBindFramebuffer(GL_READ_FRAMEBUFFER, self->target), glBindFramebuffer(GL_DRAW_FRAMEBUFFER, self->single);
         glBlitFramebuffer(0, 0, self->def.width, self->def.height, 0, 0, self->def.width, self->def.height,

@@ -2,9 +2,11 @@
  * (daft_llvmpipe), which daft_bench runs with --peers. It draws the engine's snapshots, so both show the same things:
  * the same meshes, textures, materials, lights, sky and camera. It draws them as games do: buffers and textures stay
  * on OpenGL's side; what is out of sight and what faces away is left out; one call draws all instances of a mesh, front
- * to back; bilinear textures with mipmaps; light by pixel, Lambert and Phong; the sun's shadows by a map of 2048², nine
- * taps, up to 60 m; the sky, also in mirrors and glass, from a cube map. Spots and point lights cast no shadows, and
- * mirrors show nothing but the sky: there it does less than the engine.
+ * to back; bilinear textures with mipmaps; light by pixel, Lambert and Phong, and that of the sky by the normal; masks,
+ * also in the shadow map, and what blends, farthest first; the sun's shadows by a map of 2048², nine taps, up to 60 m;
+ * the sky, also in mirrors and glass, from a cube map; exposure and its curve. Spots and point lights cast no shadows,
+ * mirrors show nothing but the sky, and there are neither maps of normals, heights, roughness and occlusion, nor
+ * facets, nor fog: there it does less than the engine.
  *
  *   main.c the command line, scenes and demos   peer.c a frame   shadow.c the sun's map   groups.c what is drawn
  *   upload.c meshes, textures, the sky   programs.c shaders */
@@ -35,6 +37,7 @@ typedef struct peer_mesh {
 
 typedef struct peer_texture {
     const uint8_t *source;
+    bool linear; /* its bytes are no colours */
     GLuint name;
 } peer_texture;
 
@@ -51,7 +54,9 @@ typedef struct peer_assets {
 
 /* The number of a mesh, uploaded when it is first met; UINT32_MAX: out of memory. */
 uint32_t peer_mesh_of(peer_assets *assets, const daft_trimesh *mesh);
-GLuint peer_texture_of(peer_assets *assets, const daft_texture_data *texture);
+GLuint peer_texture_of(peer_assets *assets, const daft_texture_data *texture, bool linear);
+/* The uniforms of a material's opacity, and its map. The program is in use. */
+void peer_set_opacity(peer_assets *assets, const daft_snapshot *snapshot, const daft_surface *material, GLuint program);
 /* The cube map of the sky; 0: out of memory. */
 GLuint peer_sky_of(peer_assets *assets, const daft_sky *sky);
 void peer_assets_free(peer_assets *assets);
@@ -64,6 +69,7 @@ typedef struct peer_group {
     uint32_t first, count;          /* in the buffer of placements */
     float nearest;                  /* metres */
     bool turned;                    /* some placement mirrors, so that triangles turn the other way */
+    bool blends;
 } peer_group;
 
 typedef struct peer_groups {
@@ -80,8 +86,8 @@ typedef struct peer_planes {
     int count;
 } peer_planes;
 
-/* What of the snapshot touches the planes' inside, nearest first. `casters`: what casts shadows, whatever its
- * materials. False: out of memory. */
+/* What of the snapshot touches the planes' inside, nearest first, then what blends, farthest first. `casters`: what
+ * casts shadows, whatever its materials unless these are masks. False: out of memory. */
 bool peer_groups_fill(peer_groups *groups, peer_assets *assets, const daft_snapshot *snapshot,
                       const peer_planes *inside, bool casters);
 void peer_group_draw(const peer_groups *groups, const peer_assets *assets, const peer_group *group);
@@ -92,22 +98,35 @@ void peer_groups_free(peer_groups *groups, const daft_allocator *allocator);
 enum { PEER_LIGHTS = 16 }; /* as many as one pixel is lit by; the scenes have up to six */
 
 /* What a surface's shader does: bits. */
-enum { PEER_TEXTURE = 1, PEER_SPECULAR = 2, PEER_MIRROR = 4, PEER_CLEAR = 8, PEER_PROGRAMS = 16 };
+enum {
+    PEER_TEXTURE = 1,
+    PEER_SPECULAR = 2,
+    PEER_MIRROR = 4,
+    PEER_CLEAR = 8,
+    PEER_OPACITY = 16, /* by a map */
+    PEER_MASK = 32,
+    PEER_BLEND = 64,
+    PEER_PROGRAMS = 128
+};
 
-/* A linked program, 0 where it fails, with a message. `lights`: how many the frame has of each kind; the first sun has
- * the shadow map where `shadow` says so. */
-typedef struct peer_light_counts {
+uint32_t peer_traits_of(const daft_surface *material);
+
+/* What all shaders of a frame do: how many lights there are of each kind; the first sun has the shadow map where
+ * `shadow` says so; `around`: ambient light depends on the normal. */
+typedef struct peer_frame_traits {
     int suns, points, spots;
-    bool shadow;
-} peer_light_counts;
-GLuint peer_surface_program(uint32_t traits, const peer_light_counts *lights);
-GLuint peer_depth_program(void);
-GLuint peer_sky_program(void);
+    bool shadow, around, exposed;
+    daft_tone_curve curve;
+} peer_frame_traits;
+/* Linked programs, 0 where they fail, with a message. */
+GLuint peer_surface_program(uint32_t traits, const peer_frame_traits *frame);
+GLuint peer_depth_program(bool mask);
+GLuint peer_sky_program(const peer_frame_traits *frame);
 
 /* ---- shadow.c ---- */
 
 typedef struct peer_shadow {
-    GLuint map, target, program;
+    GLuint map, target, program, mask_program;
     peer_groups groups;
     float from_frame[16]; /* to the map: x, y and depth, 0..1; column-major */
 } peer_shadow;

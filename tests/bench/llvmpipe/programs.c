@@ -2,6 +2,7 @@
 #include "llvmpipe/peer.h"
 
 #include <stdio.h>
+#include <string.h>
 
 static const char SURFACE_VERTEX[] =
     "layout(location = 0) in vec3 position;\n"
@@ -24,6 +25,30 @@ static const char SURFACE_VERTEX[] =
     "    gl_Position = view * vec4(place, 1);\n"
     "}\n";
 
+/* As engine/shade/tone_kernel.c has it. */
+static const char TONE[] =
+    "uniform float exposure;\n"
+    "vec3 toned(vec3 light) {\n"
+    "#ifdef EXPOSED\n"
+    "    light = max(light * exposure, 0);\n"
+    "#endif\n"
+    "#ifdef ACES\n"
+    "    light *= 0.72317;\n"
+    "    light = light * (2.51 * light + 0.03) / (light * (2.43 * light + 0.59) + 0.14);\n"
+    "#endif\n"
+    "#ifdef AGX\n"
+    "    vec3 x = log2(max(light * mat3(0.842479062, 0.0784336, 0.0792237451, 0.0423282423, 0.878468636, "
+    "0.0791661275,\n"
+    "                                   0.042375655, 0.0784336, 0.879142974), 1e-10));\n"
+    "    x = clamp((x + 12.47393) / 16.5, 0, 1);\n"
+    "    x = (((((15.5 * x - 40.14) * x + 31.96) * x - 6.868) * x + 0.4298) * x + 0.1191) * x - 0.00232;\n"
+    "    x = x * mat3(1.19687901, -0.0980208811, -0.0990297441, -0.0528968518, 1.15190313, -0.0989611768,\n"
+    "                 -0.0529716355, -0.0980434501, 1.15107367);\n"
+    "    light = pow(clamp(x, 0, 1), vec3(2.2));\n"
+    "#endif\n"
+    "    return light;\n"
+    "}\n";
+
 static const char SURFACE_FRAGMENT[] =
     "in vec3 place, turned, under;\n"
     "in vec2 at;\n"
@@ -34,9 +59,21 @@ static const char SURFACE_FRAGMENT[] =
     "uniform float range2[SUNS + POINTS + SPOTS + 1];\n"
     "uniform vec3 ambient, emission, diffuse, specular, mirror, transmittance;\n"
     "uniform float shininess, transmission, index, blur;\n"
-    "uniform sampler2D picture;\n"
+    "uniform sampler2D picture, opacity_map;\n"
     "uniform sampler2DShadow shadow_map;\n"
     "uniform samplerCube sky;\n"
+    "uniform float opacity, cutoff;\n"
+    "uniform vec4 channel;\n"
+    "uniform vec3 harmonics[9];\n"
+    "vec3 around(vec3 n) {\n"
+    "#ifdef AROUND\n"
+    "    vec3 sum = harmonics[0] + n.x * harmonics[1] + n.y * harmonics[2] + n.z * harmonics[3];\n"
+    "    sum += n.x * n.y * harmonics[4] + n.y * n.z * harmonics[5] + n.x * n.z * harmonics[6];\n"
+    "    return max(sum + (3 * n.z * n.z - 1) * harmonics[7] + (n.x * n.x - n.y * n.y) * harmonics[8], 0);\n"
+    "#else\n"
+    "    return harmonics[0];\n"
+    "#endif\n"
+    "}\n"
     "float sunlight() {\n"
     "    float lit = 0;\n"
     "    for (int y = -1; y <= 1; y++)\n"
@@ -51,13 +88,20 @@ static const char SURFACE_FRAGMENT[] =
     "    return cosine > 0 ? sum : vec3(0);\n"
     "}\n"
     "void main() {\n"
+    "    float there = opacity;\n"
+    "#ifdef OPACITY\n"
+    "    there *= dot(texture(opacity_map, at), channel);\n"
+    "#endif\n"
+    "#ifdef MASK\n"
+    "    if (there < cutoff) discard;\n"
+    "#endif\n"
     "    vec3 eye = -normalize(place), n = normalize(gl_FrontFacing ? turned : -turned);\n"
     "#ifdef TEXTURE\n"
     "    vec3 albedo = texture(picture, at).rgb;\n"
     "#else\n"
     "    vec3 albedo = vec3(1);\n"
     "#endif\n"
-    "    vec3 sum = emission + ambient * albedo;\n"
+    "    vec3 sum = emission + ambient * albedo * around(n);\n"
     "    for (int i = 0; i < SUNS; i++) {\n"
     "        vec3 part = light_color[i] * reflected(light_at[i], dot(n, light_at[i]), n, eye, albedo);\n"
     "#ifdef SHADOW\n"
@@ -87,20 +131,36 @@ static const char SURFACE_FRAGMENT[] =
     "    vec3 through = transmittance * textureLod(sky, refract(-eye, n, 1 / index), blur).rgb;\n"
     "    sum += mix(through, transmission * textureLod(sky, reflect(-eye, n), blur).rgb, fresnel);\n"
     "#endif\n"
-    "    color = vec4(sum, 1);\n"
+    "#ifdef BLEND\n"
+    "    color = vec4(toned(sum) * there, there);\n"
+    "#else\n"
+    "    color = vec4(toned(sum), 1);\n"
+    "#endif\n"
     "}\n";
 
 static const char DEPTH_VERTEX[] = "layout(location = 0) in vec3 position;\n"
                                    "layout(location = 3) in vec4 row0;\n"
                                    "layout(location = 4) in vec4 row1;\n"
                                    "layout(location = 5) in vec4 row2;\n"
+                                   "layout(location = 2) in vec2 uv;\n"
                                    "uniform mat4 view;\n"
+                                   "uniform vec2 map_scale;\n"
+                                   "out vec2 at;\n"
                                    "void main() {\n"
                                    "    vec4 p = vec4(position, 1);\n"
                                    "    gl_Position = view * vec4(dot(row0, p), dot(row1, p), dot(row2, p), 1);\n"
+                                   "    at = uv * map_scale;\n"
                                    "}\n";
 
-static const char DEPTH_FRAGMENT[] = "void main() {}\n";
+static const char DEPTH_FRAGMENT[] = "in vec2 at;\n"
+                                     "uniform sampler2D opacity_map;\n"
+                                     "uniform float opacity, cutoff;\n"
+                                     "uniform vec4 channel;\n"
+                                     "void main() {\n"
+                                     "#ifdef MASK\n"
+                                     "    if (opacity * dot(texture(opacity_map, at), channel) < cutoff) discard;\n"
+                                     "#endif\n"
+                                     "}\n";
 
 /* One triangle over the whole picture, behind everything. */
 static const char SKY_VERTEX[] = "uniform vec3 right, up, forward;\n"
@@ -114,14 +174,14 @@ static const char SKY_VERTEX[] = "uniform vec3 right, up, forward;\n"
 static const char SKY_FRAGMENT[] = "in vec3 towards;\n"
                                    "out vec4 color;\n"
                                    "uniform samplerCube sky;\n"
-                                   "void main() { color = vec4(textureLod(sky, towards, 0).rgb, 1); }\n";
+                                   "void main() { color = vec4(toned(textureLod(sky, towards, 0).rgb), 1); }\n";
 
 static GLuint compile(GLenum kind, const char *head, const char *body)
 {
-    const char *const parts[] = {"#version 330 core\n", head, body};
+    const char *const parts[] = {"#version 330 core\n", head, kind == GL_FRAGMENT_SHADER ? TONE : "", body};
     GLuint shader = glCreateShader(kind);
     GLint good = 0;
-    glShaderSource(shader, 3, parts, NULL);
+    glShaderSource(shader, 4, parts, NULL);
     glCompileShader(shader);
     glGetShaderiv(shader, GL_COMPILE_STATUS, &good);
     if (good) return shader;
@@ -149,16 +209,46 @@ static GLuint link_program(const char *head, const char *vertex, const char *fra
     return 0;
 }
 
-GLuint peer_surface_program(uint32_t traits, const peer_light_counts *lights)
+uint32_t peer_traits_of(const daft_surface *m)
 {
-    char head[256];
-    snprintf(head, sizeof head, "#define SUNS %d\n#define POINTS %d\n#define SPOTS %d\n%s%s%s%s%s", lights->suns,
-             lights->points, lights->spots, lights->shadow ? "#define SHADOW\n" : "",
-             traits & PEER_TEXTURE ? "#define TEXTURE\n" : "", traits & PEER_SPECULAR ? "#define SPECULAR\n" : "",
-             traits & PEER_MIRROR ? "#define MIRROR\n" : "", traits & PEER_CLEAR ? "#define CLEAR\n" : "");
+    const bool mirrors = m->mirror.x > 0 || m->mirror.y > 0 || m->mirror.z > 0;
+    const bool blends = daft_surface_blends(m);
+    const uint32_t traits = daft_surface_traits(m);
+    uint32_t out = traits & DAFT_TRAIT_TEXTURE ? PEER_TEXTURE : 0;
+    if (traits & DAFT_TRAIT_SPECULAR) out |= PEER_SPECULAR;
+    if (mirrors) out |= PEER_MIRROR;
+    if (m->transmission > 0) out |= PEER_CLEAR;
+    if (blends && m->maps[DAFT_MAP_ALPHA] != DAFT_NO_TEXTURE) out |= PEER_OPACITY;
+    if (blends) out |= m->cutoff > 0 ? PEER_MASK : PEER_BLEND;
+    return out;
+}
+
+static void frame_head(const peer_frame_traits *frame, char *out, size_t size)
+{
+    snprintf(out, size, "#define SUNS %d\n#define POINTS %d\n#define SPOTS %d\n%s%s%s%s%s", frame->suns, frame->points,
+             frame->spots, frame->shadow ? "#define SHADOW\n" : "", frame->around ? "#define AROUND\n" : "",
+             frame->exposed ? "#define EXPOSED\n" : "", frame->curve == DAFT_TONE_ACES ? "#define ACES\n" : "",
+             frame->curve == DAFT_TONE_AGX ? "#define AGX\n" : "");
+}
+
+GLuint peer_surface_program(uint32_t traits, const peer_frame_traits *frame)
+{
+    static const char *const NAMES[] = {"TEXTURE", "SPECULAR", "MIRROR", "CLEAR", "OPACITY", "MASK", "BLEND"};
+    char head[512];
+    frame_head(frame, head, sizeof head);
+    for (uint32_t i = 0; i < sizeof NAMES / sizeof NAMES[0]; i++)
+        if (traits >> i & 1) strcat(strcat(strcat(head, "#define "), NAMES[i]), "\n");
     return link_program(head, SURFACE_VERTEX, SURFACE_FRAGMENT);
 }
 
-GLuint peer_depth_program(void) { return link_program("", DEPTH_VERTEX, DEPTH_FRAGMENT); }
+GLuint peer_depth_program(bool mask)
+{
+    return link_program(mask ? "#define MASK\n" : "", DEPTH_VERTEX, DEPTH_FRAGMENT);
+}
 
-GLuint peer_sky_program(void) { return link_program("", SKY_VERTEX, SKY_FRAGMENT); }
+GLuint peer_sky_program(const peer_frame_traits *frame)
+{
+    char head[256];
+    frame_head(frame, head, sizeof head);
+    return link_program(head, SKY_VERTEX, SKY_FRAGMENT);
+}

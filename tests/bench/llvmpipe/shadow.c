@@ -11,7 +11,7 @@ static const float FARTHEST = 60; /* metres */
 
 bool peer_shadow_create(peer_shadow *s)
 {
-    *s = (peer_shadow){.program = peer_depth_program()};
+    *s = (peer_shadow){.program = peer_depth_program(false), .mask_program = peer_depth_program(true)};
     glGenTextures(1, &s->map);
     glBindTexture(GL_TEXTURE_2D, s->map);
     glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, SIDE, SIDE, 0, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, NULL);
@@ -26,7 +26,7 @@ bool peer_shadow_create(peer_shadow *s)
     glBindFramebuffer(GL_FRAMEBUFFER, s->target);
     glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, s->map, 0);
     glDrawBuffer(GL_NONE), glReadBuffer(GL_NONE);
-    return s->program && glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
+    return s->program && s->mask_program && glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
 }
 
 /* A box along the light's axes: across, across, away from the light. */
@@ -60,7 +60,7 @@ static light_box fit(const daft_snapshot *s, daft_vec3 to_light)
     const daft_vec3 none = {0, 0, 0};
     for (uint32_t i = 0; i < s->instance_count; i++) {
         const daft_instance *instance = &s->instances[i];
-        if (!(instance->flags & DAFT_INSTANCE_CASTS_SHADOW)) continue;
+        if (!(instance->flags & (DAFT_INSTANCE_CASTS_SHADOW | DAFT_INSTANCE_FILTERS_SHADOW))) continue;
         const daft_vec3 half = daft_scale(daft_sub(instance->high, instance->low), 0.5f);
         box_add(&casters, daft_add(instance->low, half), half);
     }
@@ -115,10 +115,19 @@ bool peer_shadow_draw(peer_shadow *shadow, peer_assets *assets, const daft_snaps
     glEnable(GL_DEPTH_TEST), glDepthFunc(GL_LESS), glDepthMask(GL_TRUE);
     glEnable(GL_POLYGON_OFFSET_FILL), glPolygonOffset(2, 4);
     glClear(GL_DEPTH_BUFFER_BIT);
-    glUseProgram(shadow->program);
-    glUniformMatrix4fv(glGetUniformLocation(shadow->program, "view"), 1, GL_FALSE, to_clip);
-    for (size_t i = 0; i < shadow->groups.count; i++)
-        peer_group_draw(&shadow->groups, assets, &shadow->groups.items[i]);
+    const GLuint programs[2] = {shadow->program, shadow->mask_program};
+    for (int k = 0; k < 2; k++) {
+        glUseProgram(programs[k]);
+        glUniformMatrix4fv(glGetUniformLocation(programs[k], "view"), 1, GL_FALSE, to_clip);
+    }
+    for (size_t i = 0; i < shadow->groups.count; i++) {
+        const peer_group *group = &shadow->groups.items[i];
+        const daft_surface *m = group->range == UINT32_MAX ? NULL : &s->materials[group->material];
+        const bool mask = m && peer_traits_of(m) & PEER_MASK && peer_traits_of(m) & PEER_OPACITY;
+        glUseProgram(programs[mask]);
+        if (mask) peer_set_opacity(assets, s, m, shadow->mask_program);
+        peer_group_draw(&shadow->groups, assets, group);
+    }
     glDisable(GL_POLYGON_OFFSET_FILL);
     return true;
 }

@@ -154,10 +154,10 @@ uint32_t peer_mesh_of(peer_assets *a, const daft_trimesh *mesh)
 /* ---- textures ---- */
 
 /* The engine's own levels. */
-GLuint peer_texture_of(peer_assets *a, const daft_texture_data *t)
+GLuint peer_texture_of(peer_assets *a, const daft_texture_data *t, bool linear)
 {
     for (size_t i = 0; i < a->texture_count; i++)
-        if (a->textures[i].source == t->texels[0]) return a->textures[i].name;
+        if (a->textures[i].source == t->texels[0] && a->textures[i].linear == linear) return a->textures[i].name;
     if (!daft_grow(&a->allocator, &a->textures, &a->texture_capacity, a->texture_count + 1, a->texture_count,
                    sizeof *a->textures))
         return 0;
@@ -165,13 +165,27 @@ GLuint peer_texture_of(peer_assets *a, const daft_texture_data *t)
     glGenTextures(1, &name);
     glBindTexture(GL_TEXTURE_2D, name);
     for (int i = 0; i < t->levels; i++)
-        glTexImage2D(GL_TEXTURE_2D, i, GL_SRGB8_ALPHA8, t->width[i], t->height[i], 0, GL_RGBA, GL_UNSIGNED_BYTE,
-                     t->texels[i]);
+        glTexImage2D(GL_TEXTURE_2D, i, linear ? GL_RGBA8 : GL_SRGB8_ALPHA8, t->width[i], t->height[i], 0, GL_RGBA,
+                     GL_UNSIGNED_BYTE, t->texels[i]);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, t->levels - 1);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_NEAREST);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-    a->textures[a->texture_count++] = (peer_texture){t->texels[0], name};
+    a->textures[a->texture_count++] = (peer_texture){t->texels[0], linear, name};
     return name;
+}
+
+void peer_set_opacity(peer_assets *a, const daft_snapshot *s, const daft_surface *m, GLuint program)
+{
+    const float channel[4] = {m->alpha_channel == 0, m->alpha_channel == 1, m->alpha_channel == 2,
+                              m->alpha_channel == 3};
+    glUniform1f(glGetUniformLocation(program, "opacity"), m->opacity);
+    glUniform1f(glGetUniformLocation(program, "cutoff"), m->cutoff);
+    glUniform2f(glGetUniformLocation(program, "map_scale"), m->map_scale.x, m->map_scale.y);
+    if (m->maps[DAFT_MAP_ALPHA] == DAFT_NO_TEXTURE) return;
+    glUniform4fv(glGetUniformLocation(program, "channel"), 1, channel);
+    glUniform1i(glGetUniformLocation(program, "opacity_map"), 3);
+    glActiveTexture(GL_TEXTURE3);
+    glBindTexture(GL_TEXTURE_2D, peer_texture_of(a, &s->textures[m->maps[DAFT_MAP_ALPHA]], true));
 }
 
 /* ---- the sky ---- */
@@ -189,7 +203,8 @@ static uint8_t encode(float linear)
     return (uint8_t)(255 * (c <= 0.0031308f ? 12.92f * c : 1.055f * powf(c, 1 / 2.4f) - 0.055f) + 0.5f);
 }
 
-static void bake_row(const daft_sky *sky, int face, int row, int size, uint8_t *out)
+/* One row of a face: floats where `bright`, else bytes. */
+static void bake_row(const daft_sky *sky, int face, int row, int size, bool bright, void *pixels)
 {
     static daft_lanes3 direction, color;
     const daft_shade_kernels *shade = daft_shade_kernels_for(daft_isa_best());
@@ -200,9 +215,23 @@ static void bake_row(const daft_sky *sky, int face, int row, int size, uint8_t *
     }
     shade->sky(sky, &direction, (uint32_t)size, &color);
     for (int i = 0; i < size; i++) {
-        const uint8_t texel[4] = {encode(color.x[i]), encode(color.y[i]), encode(color.z[i]), 255};
-        memcpy(out + 4 * i, texel, 4);
+        const float light[4] = {color.x[i], color.y[i], color.z[i], 1};
+        const uint8_t texel[4] = {encode(light[0]), encode(light[1]), encode(light[2]), 255};
+        if (bright)
+            memcpy((float *)pixels + 4 * i, light, sizeof light);
+        else
+            memcpy((uint8_t *)pixels + 4 * i, texel, sizeof texel);
     }
+}
+
+/* Brighter than white: of half floats. */
+static bool is_bright(const daft_sky *sky)
+{
+    if (sky->kind != DAFT_SKY_IMAGE) return false;
+    const size_t count = 3 * (size_t)sky->image->width * (size_t)sky->image->height;
+    for (size_t i = 0; i < count; i++)
+        if (sky->image->texels[i] > 1.001f) return true;
+    return false;
 }
 
 static int face_size(const daft_sky *sky)
@@ -216,14 +245,16 @@ GLuint peer_sky_of(peer_assets *a, const daft_sky *sky)
 {
     if (a->sky && memcmp(&a->shown, sky, sizeof *sky) == 0) return a->sky;
     const int size = face_size(sky);
-    uint8_t *face = malloc(4 * (size_t)size * (size_t)size);
+    const bool bright = is_bright(sky);
+    const size_t row_bytes = 4 * (size_t)size * (bright ? sizeof(float) : 1);
+    uint8_t *face = malloc(row_bytes * (size_t)size);
     if (!face) return 0;
     if (!a->sky) glGenTextures(1, &a->sky);
     glBindTexture(GL_TEXTURE_CUBE_MAP, a->sky);
     for (int i = 0; i < 6; i++) {
-        for (int row = 0; row < size; row++) bake_row(sky, i, row, size, face + 4 * (size_t)row * (size_t)size);
-        glTexImage2D(GL_TEXTURE_CUBE_MAP_POSITIVE_X + (GLenum)i, 0, GL_SRGB8_ALPHA8, size, size, 0, GL_RGBA,
-                     GL_UNSIGNED_BYTE, face);
+        for (int row = 0; row < size; row++) bake_row(sky, i, row, size, bright, face + (size_t)row * row_bytes);
+        glTexImage2D(GL_TEXTURE_CUBE_MAP_POSITIVE_X + (GLenum)i, 0, bright ? GL_RGBA16F : GL_SRGB8_ALPHA8, size, size,
+                     0, GL_RGBA, bright ? GL_FLOAT : GL_UNSIGNED_BYTE, face);
     }
     free(face);
     glGenerateMipmap(GL_TEXTURE_CUBE_MAP);

@@ -105,6 +105,42 @@ static void test_each_knob_turns_its_work_off(void **unused)
     stage_drop(&s);
 }
 
+/* Where no rays are followed, a mirror and a sheet show the sky: what rays see, too, where nothing else stands. */
+static void test_depth_0_shows_the_sky(void **unused)
+{
+    (void)unused;
+    stage s;
+    daft_error error;
+    daft_engine_def def = daft_default_engine_def();
+    s.engine = daft_engine_create(&def, &error), s.scene = daft_scene_create(s.engine, &error);
+    s.image = daft_image_create(s.engine, WIDTH, HEIGHT, &error);
+    daft_scene_set_sky_gradient(s.scene, (daft_vec3){0.1f, 0.3f, 0.8f}, (daft_vec3){0.9f, 0.8f, 0.6f});
+    daft_material_def mirror = daft_default_material_def(), sheet = daft_default_material_def();
+    mirror.mirror = 0.8f, sheet.transmission = 0.9f, sheet.refractive_index = 1;
+    const daft_vec3 places[3] = {{4, -1, 0}, {4, 1, 0}, {4, -1, 2}};
+    daft_mesh_def shape = daft_default_mesh_def();
+    shape.positions = places, shape.vertex_count = 3;
+    shape.indices = (const uint32_t[3]){0, 1, 2}, shape.triangle_count = 1;
+    daft_mesh mesh = daft_mesh_create(s.scene, &shape, NULL);
+    daft_entity_def ball = daft_default_entity_def(), pane = daft_default_entity_def();
+    ball.shape = DAFT_SHAPE_SPHERE, ball.radius = 1, ball.position = (daft_dvec3){5, 0, -1.5};
+    ball.material = daft_material_create(s.scene, &mirror, NULL);
+    pane.shape = DAFT_SHAPE_MESH, pane.mesh = mesh, pane.material = daft_material_create(s.scene, &sheet, NULL);
+    for (int k = 0; k < 2; k++) {
+        const daft_entity only = daft_entity_create(s.scene, k ? &pane : &ball, NULL);
+        daft_view none = view_of(DAFT_PRESET_GAME);
+        none.quality.edge_samples = 0;
+        const uint64_t rays = draw(&s, &none);
+        none.quality.mirror_depth = none.quality.refraction_depth = 0;
+        assert_true(draw(&s, &none) == rays);
+        none.quality.mirror_depth = 1;
+        assert_true(draw(&s, &none) == rays);
+        assert_true(daft_entity_destroy(s.scene, only, NULL));
+        assert_true(draw(&s, &none) != rays);
+    }
+    stage_drop(&s);
+}
+
 static void test_deepest_and_out_of_range(void **unused)
 {
     (void)unused;
@@ -243,6 +279,7 @@ int main(void)
                                        cmocka_unit_test(test_trees_draw_one_picture),
                                        cmocka_unit_test(test_scales),
                                        cmocka_unit_test(test_texture_filters_differ),
+                                       cmocka_unit_test(test_depth_0_shows_the_sky),
                                        cmocka_unit_test(test_deepest_and_out_of_range)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

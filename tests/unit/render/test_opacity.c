@@ -690,7 +690,8 @@ static void all_hits_are_found(void **unused)
                 const daft_accel_kernels *k = daft_accel_kernels_for(isa);
                 found f = {0};
                 uint32_t spheres = 0;
-                k->pierce(tlas, &ray, note, &f);
+                daft_pierced_leaf last;
+                k->pierce(tlas, &ray, note, &f, &last);
                 if (isa == 0) first = f;
                 assert_int_equal(first.count, f.count);
                 assert_memory_equal(first.hit, f.hit, f.count * sizeof f.hit[0]);

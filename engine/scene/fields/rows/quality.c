@@ -26,7 +26,7 @@ static const daft_field QUALITY_ROWS[] = {
          .doc = "Rays to a light that has a size; 0: its shadows are sharp"),
     KNOB(occlusion_samples, FROM(0, 64), .initial = {1},
          .doc = "Rays around a point, where the scene has ambient occlusion; 0: none"),
-    KNOB(mirror_depth, FROM(0, 32), .initial = {2}, .doc = "Mirror bounces followed"),
+    KNOB(mirror_depth, FROM(0, 32), .initial = {2}, .doc = "Mirror bounces followed; 0: mirrors show the sky"),
     KNOB(refraction_depth, FROM(0, 32), .initial = {12},
          .doc = "Surfaces that a path which passes through some may meet"),
     KNOB(min_weight, FROM(0, 1), .initial = {1.0 / 2048},
