@@ -36,7 +36,7 @@ static void arrays_are_copied(void **unused)
     daft_vec3 normals[] = {{0, 0, 2}, {0, 0, 0}, {0, NAN, 0}, {1, 0, 0}, {3, 0, 4}};
     daft_vec2 uvs[] = {{0, 0}, {1, 0}, {1, INFINITY}, {0, 0}, {0, 1}};
     uint32_t indices[] = {0, 1, 2, 0, 2, 4, 1, 1, 2};
-    daft_mesh_def def = {DAFT_COOKIE, positions, normals, uvs, 5, indices, 3, NULL};
+    daft_mesh_def def = {DAFT_COOKIE, positions, normals, uvs, 5, indices, 3, NULL, NULL};
     daft_trimesh mesh = from_arrays(&def);
     assert_true(mesh.vertex_count == 5 && mesh.triangle_count == 2 && mesh.normal_count == 5 && mesh.uv_count == 5);
     assert_memory_equal(mesh.indices, indices, 6 * sizeof(uint32_t));
@@ -61,7 +61,7 @@ static void wrong_arrays_are_refused(void **unused)
     (void)unused;
     daft_vec3 positions[3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}};
     uint32_t indices[6] = {0, 1, 2, 0, 1, 3};
-    daft_mesh_def def = {DAFT_COOKIE, positions, NULL, NULL, 3, indices, 2, NULL};
+    daft_mesh_def def = {DAFT_COOKIE, positions, NULL, NULL, 3, indices, 2, NULL, NULL};
     daft_allocator allocator = counting_allocator(&memory);
     daft_trimesh mesh;
     daft_error error;
@@ -201,7 +201,7 @@ static daft_trimesh make_sheet(float bump)
             memcpy(indices + count, two, sizeof two);
             count += 6;
         }
-    daft_mesh_def def = {DAFT_COOKIE, positions, NULL, NULL, GRID * GRID, indices, count / 3, NULL};
+    daft_mesh_def def = {DAFT_COOKIE, positions, NULL, NULL, GRID * GRID, indices, count / 3, NULL, NULL};
     return from_arrays(&def);
 }
 
@@ -256,7 +256,7 @@ static daft_trimesh make_torus(void)
         const uint32_t two[6] = {i, up, right, right, up, far};
         memcpy(indices + 6 * i, two, sizeof two);
     }
-    daft_mesh_def def = {DAFT_COOKIE, positions, NULL, NULL, AROUND * AROUND, indices, 2 * AROUND * AROUND, NULL};
+    daft_mesh_def def = {DAFT_COOKIE, positions, NULL, NULL, AROUND * AROUND, indices, 2 * AROUND * AROUND, NULL, NULL};
     return from_arrays(&def);
 }
 
@@ -307,14 +307,14 @@ static void unusual_fans(void **unused)
                 const uint32_t triangle[3] = {0, i + 1, (i + 1) % count + 1};
                 memcpy(indices + 3 * i, triangle, sizeof triangle);
             }
-            daft_mesh_def def = {DAFT_COOKIE, positions, NULL, NULL, count + 1, indices, count, NULL};
+            daft_mesh_def def = {DAFT_COOKIE, positions, NULL, NULL, count + 1, indices, count, NULL, NULL};
             daft_trimesh mesh = from_arrays(&def);
             check_against_twin(&mesh, (double)DAFT_SMOOTH_CREASE, count < 50 ? 1 : 97);
             free_mesh(&mesh);
         }
     daft_vec3 tie[] = {{0, 0, 0}, {1, 0, 0}, {1, 0, -1}, {-1, .1f, 0}, {-1, 0, 1}, {0, 1, 0}};
     uint32_t bow[] = {0, 1, 2, 0, 3, 4}, book[] = {0, 1, 2, 1, 0, 4, 0, 1, 5};
-    daft_mesh_def def = {DAFT_COOKIE, tie, NULL, NULL, 6, bow, 2, NULL};
+    daft_mesh_def def = {DAFT_COOKIE, tie, NULL, NULL, 6, bow, 2, NULL, NULL};
     daft_trimesh mesh = from_arrays(&def);
     check_against_twin(&mesh, (double)DAFT_SMOOTH_CREASE, 1);
     assert_int_equal(mesh.normal_count, 7); /* one of each vertex, used or not, and a second where the fans meet */
@@ -342,7 +342,7 @@ static void check_nested_cones(uint32_t a, uint32_t b)
         }
     }
     positions[1].y -= 0.05f; /* not symmetric: the sets' normals differ */
-    daft_mesh_def def = {DAFT_COOKIE, positions, NULL, NULL, a + b + 1, indices, count / 3, NULL};
+    daft_mesh_def def = {DAFT_COOKIE, positions, NULL, NULL, a + b + 1, indices, count / 3, NULL, NULL};
     daft_trimesh mesh = from_arrays(&def);
     check_against_twin(&mesh, (double)DAFT_SMOOTH_CREASE, 1);
     assert_int_equal(mesh.normal_count, a + b + 2);
@@ -452,7 +452,7 @@ static void bounds_are_those_of_the_triangles(void **unused)
     (void)unused;
     daft_vec3 positions[] = {{1, 2, 3}, {4, 2, 3}, {1, 5, -2}, {100, 3, 0}, {2, -50, 1}, {2, 3, 0}};
     uint32_t indices[] = {0, 1, 2, 5, 2, 1};
-    daft_mesh_def def = {DAFT_COOKIE, positions, NULL, NULL, 6, indices, 2, NULL};
+    daft_mesh_def def = {DAFT_COOKIE, positions, NULL, NULL, 6, indices, 2, NULL, NULL};
     daft_trimesh mesh = from_arrays(&def);
     assert_true(mesh.low.x == 1 && mesh.low.y == 2 && mesh.low.z == -2);
     assert_true(mesh.high.x == 4 && mesh.high.y == 5 && mesh.high.z == 3);
@@ -503,7 +503,7 @@ static void slivers_get_some_unit_normal(void **unused)
     (void)unused;
     daft_vec3 positions[] = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 0, 0}, {1, 1, 0}};
     uint32_t indices[] = {0, 1, 2, 0, 3, 1, 1, 2, 4};
-    daft_mesh_def def = {DAFT_COOKIE, positions, NULL, NULL, 5, indices, 3, NULL};
+    daft_mesh_def def = {DAFT_COOKIE, positions, NULL, NULL, 5, indices, 3, NULL, NULL};
     daft_trimesh mesh = from_arrays(&def);
     assert_int_equal(mesh.triangle_count, 3);
     for (uint32_t i = 0; i < mesh.normal_count; i++) assert_true(fabsf(daft_length(mesh.normals[i]) - 1) < 1e-6f);
@@ -522,7 +522,7 @@ static void memory_may_run_out_anywhere(void **unused)
         for (long fail_at = 0;; fail_at++) {
             daft_allocator allocator = counting_allocator(&memory);
             memory.fail_at = fail_at;
-            daft_mesh_def def = {DAFT_COOKIE, positions, kind == 1 ? normals : NULL, uvs, 4, indices, 2, NULL};
+            daft_mesh_def def = {DAFT_COOKIE, positions, kind == 1 ? normals : NULL, uvs, 4, indices, 2, NULL, NULL};
             daft_trimesh mesh;
             daft_error error;
             bool made = kind == 2 ? daft_trimesh_box(&allocator, daft_v3(1, 1, 1), &mesh, &error)
