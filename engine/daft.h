@@ -363,7 +363,7 @@ typedef enum daft_shading {
     DAFT_SHADING_PHYSICAL   /* base colour (`diffuse`), `metallic` and `roughness`, as glTF says */
 } daft_shading;
 
-/* What lies behind a surface. Shadows are those of the whole surface. */
+/* What lies behind a surface. */
 typedef enum daft_alpha_mode {
     DAFT_ALPHA_OPAQUE = 0,
     DAFT_ALPHA_MASK, /* there where alpha is `alpha_cutoff` or more, a hole where it is less */

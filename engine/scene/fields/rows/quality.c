@@ -19,7 +19,8 @@ static const daft_field QUALITY_ROWS[] = {
     CHOICE(tree, TREES, .doc = "What camera rays are found by; the picture is the same"),
     KNOB(samples, FROM(1, 16), ONE_OF(SAMPLES), .initial = {1}, .doc = "Samples of a pixel"),
     KNOB(edge_samples, FROM(0, 16), ONE_OF(EDGE_SAMPLES), .initial = {4},
-         .doc = "More samples where neighbours differ: 4, the corners, at outlines and creases; 8 or 16 at edges of shadows "
+         .doc = "More samples where neighbours differ: 4, the corners, at outlines and creases; 8 or 16 at edges of "
+                "shadows "
                 "and in mirrors, too, and trilinear textures become anisotropic4"),
     KNOB(shadows, .initial = {1}, .doc = "Whether lights cast shadows"),
     KNOB(shadow_samples, FROM(0, 64), .initial = {1},
