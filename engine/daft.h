@@ -1067,9 +1067,8 @@ typedef struct daft_quality {
     daft_intersection visibility;
     daft_tree tree;
     int samples;        /* per pixel: 1, 4, 8 or 16 */
-    int edge_samples;   /* more where a pixel differs from its neighbours: 0; 4, its corners, at outlines and creases; 8
-                           or 16, at edges of shadows and in mirrors, too, and trilinear textures become
-                           anisotropic4 */
+    int edge_samples;   /* more where a pixel differs from its neighbours: 0; 4, its corners, at outlines and creases;
+                           16, at edges of shadows and in mirrors, too, and trilinear textures become anisotropic4 */
     bool shadows;       /* of every light */
     int shadow_samples; /* rays to a light that has a size, 1 to 64; 0: its shadows are sharp */
     int occlusion_samples; /* rays around each point for ambient occlusion, 1 to 64; 0: none */

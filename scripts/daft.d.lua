@@ -307,7 +307,7 @@ local voice = {}
 ---@field visibility? "exact"|"watertight"|"fast" How rays and triangles meet; "exact" unless given
 ---@field tree? "raster"|"bvh"|"kdtree" What camera rays are found by; the picture is the same; "raster" unless given
 ---@field samples? number Samples of a pixel (number, 1, 4, 8 or 16); 1 unless given
----@field edge_samples? number More samples where neighbours differ: 4, the corners, at outlines and creases; 8 or 16 at edges of shadows and in mirrors, too, and trilinear textures become anisotropic4 (number, 0, 4, 8 or 16); 4 unless given
+---@field edge_samples? number More samples where neighbours differ: 4, the corners, at outlines and creases; 16 at edges of shadows and in mirrors, too, and trilinear textures become anisotropic4 (number, 0, 4 or 16); 4 unless given
 ---@field shadows? boolean Whether lights cast shadows; true unless given
 ---@field shadow_samples? number Rays to a light that has a size; 0: its shadows are sharp (number, 0 to 64); 1 unless given
 ---@field occlusion_samples? number Rays around a point, where the scene has ambient occlusion; 0: none (number, 0 to 64); 1 unless given

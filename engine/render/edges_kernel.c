@@ -3,7 +3,7 @@
 #include "render/kernels.h"
 
 enum {
-    RAYS = DAFT_EDGE_GRIDS * DAFT_EDGE_SCALE * DAFT_EDGE_SCALE, /* of a pixel, asked or not */
+    RAYS = DAFT_EDGE_GRIDS * DAFT_EDGE_SCALE * DAFT_EDGE_SCALE, /* of a pixel beside an outline */
     SPOKEN = 4,                                                 /* rays that see the same, for each that is shaded */
     TRIANGLES = 6, /* that a pixel sees, above which rays go together by instances */
     WIDTH = DAFT_TILE
@@ -40,12 +40,12 @@ DAFT_INLINE uint32_t alike(const uint32_t id[RAYS], uint32_t one)
     return bits;
 }
 
-DAFT_INLINE uint32_t group_rays(const uint32_t id[RAYS], uint32_t asked, group out[RAYS])
+DAFT_INLINE uint32_t group_rays(const uint32_t id[RAYS], group out[RAYS])
 {
     uint32_t count = 0;
-    for (uint32_t left = asked; left; count++) {
+    for (uint32_t left = (1u << RAYS) - 1; left; count++) {
         const uint32_t one = id[__builtin_ctz(left)];
-        out[count] = (group){one, alike(id, one) & asked};
+        out[count] = (group){one, alike(id, one)};
         left &= ~out[count].rays;
     }
     return count;
@@ -94,11 +94,11 @@ static void take_outline(taking *t, const seen_row *seen, int x, uint32_t own)
     for (int grid = 0; grid < DAFT_EDGE_GRIDS; grid++)
         for (int cell = 0; cell < 4; cell++)
             id[cell * DAFT_EDGE_GRIDS + grid] = seen->id[cell / 2][grid][2 * x + cell % 2];
-    uint32_t count = group_rays(id, t->part->asked, groups);
+    uint32_t count = group_rays(id, groups);
     if (count > TRIANGLES) {
         bits = DAFT_ID_INSTANCE;
         for (int i = 0; i < RAYS; i++) id[i] >>= bits;
-        count = group_rays(id, t->part->asked, groups);
+        count = group_rays(id, groups);
     }
     t->out->own[t->wanted] = 0;
     for (uint32_t k = 0; k < count; k++) take_group(t, &groups[k], groups[k].id == own >> bits);

@@ -178,7 +178,7 @@ static void count_work(daft_frame *frame)
 /* Scaled coordinates of pixels are below 2^14, so very large pictures have no grids. */
 static int edge_scale_of(const daft_snapshot *s)
 {
-    const bool grid = s->quality.edge_samples > 4 && daft_max_i(s->width, s->height) <= 16384 / 2;
+    const bool grid = s->quality.edge_samples == 16 && daft_max_i(s->width, s->height) <= 16384 / 2;
     return grid ? 2 : s->quality.edge_samples ? 1 : 0;
 }
 

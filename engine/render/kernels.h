@@ -166,15 +166,10 @@ typedef struct daft_edge_part {
     const daft_tile *grids;                       /* what their rays see */
     float x[DAFT_EDGE_GRIDS], y[DAFT_EDGE_GRIDS]; /* where their first rays go */
     int left, top;                                /* the part's first pixel in the tile */
-    uint32_t asked; /* of a pixel beside an outline: bit g + 4 * c of the ray of grid g in cell c, 2 * row + column */
     const daft_edges *edges;
     const uint32_t *id; /* what the first samples of the tile's pixels saw */
     ptrdiff_t id_stride;
 } daft_edge_part;
-
-/* Of each grid the cell of its own number and the one across from it: rays in eight different rows and columns. */
-#define DAFT_EDGE_EIGHT 0x9669u
-#define DAFT_EDGE_ALL   0xffffu
 
 /* The rays that are shaded; by their own places in a batch, those of their pixels in the tile; in the list's order, for
  * how many rays each speaks; and, by the pixels' places, for how many their first samples do. */

@@ -1,7 +1,7 @@
 /* Antialiasing where it shows. All tiles have been drawn with one sample a pixel (or as many as the preset says). Then
- * pixels that disagree with a neighbour get up to eight or sixteen more, by the rays of four finer grids, each of two
- * by two rays a pixel and shifted against the others, so that rays lie in eight different rows and columns: an edge
- * along either axis has eight steps. (A grid of four by four would have four: Cook, "Stochastic Sampling in Computer
+ * pixels that disagree with a neighbour get up to sixteen more, by the rays of four finer grids, each of two by two
+ * rays a pixel and shifted against the others, so that rays lie in eight different rows and columns: an edge along
+ * either axis has eight steps. (A grid of four by four would have four: Cook, "Stochastic Sampling in Computer
  * Graphics", TOG 5(1), 1986, on regular patterns.) The tile draws a quarter of each grid at a time: instances stay in
  * their bins, and rays that nobody asks for count as hidden, so that trees are walked for what is left.
  *
@@ -24,7 +24,6 @@ enum {
     SCALE = DAFT_EDGE_SCALE,
     SPAN = DAFT_TILE / SCALE /* pixels a side of a part */
 };
-#define COLUMN 0x55555555u /* the left one of two rays of each pixel */
 /* From the middles of the divided pixels, in their size. */
 static const float SHIFT[GRIDS][2] = {{-0.375f, -0.125f}, {-0.125f, 0.375f}, {0.125f, -0.375f}, {0.375f, 0.125f}};
 
@@ -87,8 +86,8 @@ static uint32_t spread(uint32_t bits)
     return (bits | bits << 1) & 0x55555555;
 }
 
-/* Asks for the rays of one grid: at an outline all four of a pixel, or two; else that of the grid's own number, so that
- * the four lie in different rows and columns, and where much changes that across from it. */
+/* Asks for the rays of one grid: at an outline all four of a pixel; else that of the grid's own number, so that the
+ * four lie in different rows and columns, and where much changes that across from it. */
 static void ask(refinement *r, uint32_t grid)
 {
     for (int y = 0; y < SPAN; y++) {
@@ -98,9 +97,7 @@ static void ask(refinement *r, uint32_t grid)
                        one = spread(inner), two = spread(inner & part_of(r, r->edges.strong[py]));
         const uint32_t own = grid, across = 3 - grid;
         uint32_t *row = &r->part.asked[SCALE * y];
-        for (uint32_t k = 0; k < SCALE; k++)
-            row[k] = all & ((r->rays.asked >> (grid + 4 * SCALE * k) & 1) * COLUMN |
-                            (r->rays.asked >> (grid + 4 * SCALE * k + 4) & 1) * (COLUMN << 1));
+        row[0] = row[1] = all;
         row[own / SCALE] |= one << own % SCALE, row[across / SCALE] |= two << across % SCALE;
     }
 }
@@ -175,8 +172,8 @@ static void mean_of(const refinement *r, int x, int y, const float own[3], float
 {
     const daft_scratch *s = r->j->s;
     const int at = y * DAFT_TILE + x;
-    const int rays = r->edges.outline[y] >> x & 1 ? __builtin_popcount(r->rays.asked)
-                                                  : GRIDS * (1 + (int)(r->edges.strong[y] >> x & 1)) + 1;
+    const int rays =
+        r->edges.outline[y] >> x & 1 ? GRIDS * SCALE * SCALE : GRIDS * (1 + (int)(r->edges.strong[y] >> x & 1)) + 1;
     const float sum[3] = {s->sum.x[at], s->sum.y[at], s->sum.z[at]}, weight = 1 / (float)rays;
     for (int k = 0; k < 3; k++) light[k] = (sum[k] + own[k] * s->own[at]) * weight;
 }
@@ -209,7 +206,6 @@ void daft_refine_tile(void *context, uint32_t index, uint32_t worker)
     if (atomic_load_explicit(&frame->cancelled, memory_order_relaxed)) return;
     tile_job j = daft_tile_again(frame, index, worker);
     refinement r = {.j = &j, .part.scale = SCALE, .rays.grids = j.s->grids};
-    r.rays.asked = frame->snapshot->quality.edge_samples == 8 ? DAFT_EDGE_EIGHT : DAFT_EDGE_ALL;
     for (uint32_t grid = 0; grid < GRIDS; grid++) {
         shift(&r.part, grid);
         r.pencil[grid] = daft_part_pencil(&frame->pencil, &r.part);

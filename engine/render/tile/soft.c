@@ -262,24 +262,19 @@ static void begin(daft_sampled_light *s)
     memset(&s->arrived, 0, sizeof s->arrived);
 }
 
-/* Of one colour; the arrays are apart. */
-static void move_color(uint32_t count, const float *restrict open, const float *restrict before, float *restrict light,
-                       float *restrict whole, float *restrict arrived)
-{
-    for (uint32_t i = 0; i < count; i++) {
-        const float more = light[i] - before[i];
-        whole[i] += more, arrived[i] += more * open[i];
-        light[i] = before[i];
-    }
-}
-
 /* What the points' light has become more than it was, with s->open of it, goes to the sampled light. */
 static void move(daft_sampled_light *s, daft_batch *points)
 {
+    float *light[3] = {points->light.x, points->light.y, points->light.z};
+    float *before[3] = {s->before.x, s->before.y, s->before.z}, *whole[3] = {s->whole.x, s->whole.y, s->whole.z},
+          *arrived[3] = {s->arrived.x, s->arrived.y, s->arrived.z};
     begin(s);
-    move_color(points->count, s->open, s->before.x, points->light.x, s->whole.x, s->arrived.x);
-    move_color(points->count, s->open, s->before.y, points->light.y, s->whole.y, s->arrived.y);
-    move_color(points->count, s->open, s->before.z, points->light.z, s->whole.z, s->arrived.z);
+    for (int c = 0; c < 3; c++)
+        for (uint32_t i = 0; i < points->count; i++) {
+            const float more = light[c][i] - before[c][i];
+            whole[c][i] += more, arrived[c][i] += more * s->open[i];
+            light[c][i] = before[c][i];
+        }
 }
 
 static void keep(daft_sampled_light *s, const daft_batch *points)

@@ -64,12 +64,12 @@ static void measure_picture(bench *self, const char *name, const char *what, int
     edge_point ours, peer;
     fprintf(stderr, "%s, %d thread%s\n", name, threads, threads == 1 ? "" : "s");
     char *csv = run_cost(self, what, threads);
-    if (!csv || !find_point(csv, "samples=1,edge_samples=8", &ours) ||
+    if (!csv || !find_point(csv, "samples=1,edge_samples=16", &ours) ||
         !find_point(csv, "samples=8,edge_samples=0", &peer)) {
         bench_note(self, true, "%s failed", name);
     } else {
         snprintf(row.scene, sizeof row.scene, "%s", name);
-        snprintf(row.what, sizeof row.what, "8 at edges");
+        snprintf(row.what, sizeof row.what, "16 at edges");
         row.ours = ours.ms, row.peer = peer.ms;
         snprintf(row.counters, sizeof row.counters, "RMSE %.4f, of 8 everywhere %.4f; FLIP %.4f, %.4f", ours.rmse,
                  peer.rmse, ours.flip, peer.flip);
@@ -123,7 +123,7 @@ static bool pan_one(pan_show *p, int kind, int frame, daft_error *error)
 {
     static const struct {
         int samples, edges;
-    } KINDS_OF[KINDS] = {{1, 0}, {1, 4}, {1, 8}, {8, 0}, {16, 0}};
+    } KINDS_OF[KINDS] = {{1, 0}, {1, 4}, {1, 16}, {8, 0}, {16, 0}};
     daft_view view = p->view;
     view.quality.samples = KINDS_OF[kind].samples, view.quality.edge_samples = KINDS_OF[kind].edges;
     view.camera.yaw += 0.4f * view.camera.fov / WIDTH * (float)frame;
@@ -158,7 +158,7 @@ static void measure_pan(bench *self, const char *name, const char *path, int thr
     bench_row row = {
         .unit = "FLIP", .isa = self->isa, .threads = threads, .peer_name = "8 samples", .budget = {.floor = 1}};
     snprintf(row.scene, sizeof row.scene, "%s", name);
-    snprintf(row.what, sizeof row.what, "flicker, 8 at edges");
+    snprintf(row.what, sizeof row.what, "flicker, 16 at edges");
     row.ours = p.flicker[2], row.peer = p.flicker[3];
     snprintf(row.counters, sizeof row.counters, "one sample %.4f; 4 at edges, as game draws it, %.4f", p.flicker[0],
              p.flicker[1]);
@@ -182,9 +182,9 @@ static void measure_all(bench *self, bool games, int threads)
         const int length = (int)strcspn(file, ".");
         snprintf(path, sizeof path, games ? "%.0s%.200s" : "%s/assets/scenes/%.200s", DAFT_ROOT, file);
         snprintf(name, sizeof name, "antialiasing, %.*s", length, file);
-        if (bench_wants(self, name, "8 at edges")) measure_picture(self, name, path, threads);
+        if (bench_wants(self, name, "16 at edges")) measure_picture(self, name, path, threads);
         snprintf(name, sizeof name, "pan, %.*s", length, file);
-        if (!games && bench_wants(self, name, "flicker, 8 at edges")) measure_pan(self, name, path, threads);
+        if (!games && bench_wants(self, name, "flicker, 16 at edges")) measure_pan(self, name, path, threads);
         free(found[i]);
     }
     if (count >= 0) free(found);

@@ -10,7 +10,7 @@ static const char *const INTERSECTIONS[] = {"exact", "watertight", "fast"};
 static const char *const TREES[] = {"raster", "bvh", "kdtree"};
 static const char *const FILTERS[] = {"trilinear", "mipmap", "bilinear", "nearest", "anisotropic4", "anisotropic16"};
 static const double SAMPLES[] = {1, 4, 8, 16};
-static const double EDGE_SAMPLES[] = {0, 4, 8, 16};
+static const double EDGE_SAMPLES[] = {0, 4, 16};
 
 static const daft_field QUALITY_ROWS[] = {
     KNOB(scale, FROM(0.1, 1), .initial = {1}, .doc = "Sides of the drawn picture, relative to the shown one"),
@@ -19,15 +19,14 @@ static const daft_field QUALITY_ROWS[] = {
     CHOICE(tree, TREES, .doc = "What camera rays are found by; the picture is the same"),
     KNOB(samples, FROM(1, 16), ONE_OF(SAMPLES), .initial = {1}, .doc = "Samples of a pixel"),
     KNOB(edge_samples, FROM(0, 16), ONE_OF(EDGE_SAMPLES), .initial = {4},
-         .doc = "More samples where neighbours differ: 4, the corners, at outlines and creases; 8 or 16 at edges of "
-                "shadows "
+         .doc = "More samples where neighbours differ: 4, the corners, at outlines and creases; 16 at edges of shadows "
                 "and in mirrors, too, and trilinear textures become anisotropic4"),
     KNOB(shadows, .initial = {1}, .doc = "Whether lights cast shadows"),
     KNOB(shadow_samples, FROM(0, 64), .initial = {1},
          .doc = "Rays to a light that has a size; 0: its shadows are sharp"),
     KNOB(occlusion_samples, FROM(0, 64), .initial = {1},
          .doc = "Rays around a point, where the scene has ambient occlusion; 0: none"),
-    KNOB(mirror_depth, FROM(0, 32), .initial = {2}, .doc = "Mirror bounces followed; 0: mirrors show the sky"),
+    KNOB(mirror_depth, FROM(0, 32), .initial = {2}, .doc = "Mirror bounces followed"),
     KNOB(refraction_depth, FROM(0, 32), .initial = {12},
          .doc = "Surfaces that a path which passes through some may meet"),
     KNOB(min_weight, FROM(0, 1), .initial = {1.0 / 2048},
