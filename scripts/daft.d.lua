@@ -311,7 +311,7 @@ local voice = {}
 ---@field shadows? boolean Whether lights cast shadows; true unless given
 ---@field shadow_samples? number Rays to a light that has a size; 0: its shadows are sharp (number, 0 to 64); 1 unless given
 ---@field occlusion_samples? number Rays around a point, where the scene has ambient occlusion; 0: none (number, 0 to 64); 1 unless given
----@field mirror_depth? number Mirror bounces followed; 0: mirrors show the sky (number, 0 to 32); 2 unless given
+---@field mirror_depth? number Mirror bounces followed (number, 0 to 32); 2 unless given
 ---@field refraction_depth? number Surfaces that a path which passes through some may meet (number, 0 to 32); 12 unless given
 ---@field min_weight? number Mirrored and refracted rays that weigh less in all colours are not cast (number, 0 to 1); 0.00048828125 unless given
 ---@field glossy_samples? number Rays that a rough surface sends on; 0: none is rough (number, 0 to 64); 1 unless given
