@@ -186,8 +186,8 @@ struct daft_renderer {
     /* denoise.c: planes of the frame's tiles, and what of these is to be filtered (DAFT_NOISY_…) */
     float *planes;
     uint8_t *noisy;
-    daft_grid grid, light_grid; /* of the picture before */
-    size_t plane_capacity, noisy_capacity;
+    daft_grid grid, light_grid;                         /* of the picture before */
+    size_t plane_capacity, plane_count, noisy_capacity; /* plane_count: of `grid` */
     size_t edge_capacity, id_capacity, own_capacity, apron_capacity, smooth_capacity, corner_capacity;
 };
 

@@ -19,8 +19,7 @@ typedef struct daft_renderer daft_renderer; /* scratch memory that outlives a fr
 
 /* What a series of pictures remembers of what was sampled (reuse.c), in planes of a float for each pixel: the fraction
  * that arrived, or what came along the mirrored rays, of three colours; the inverse of the depth; over how many
- * pictures; and, as an integer, whose surface it was (0: nothing was sampled, and the others mean nothing). All zero:
- * nothing yet. */
+ * pictures; and, as an integer, whose surface it was (0: nothing was sampled). All zero: nothing yet. */
 enum { DAFT_PAST_INVERSE = 3, DAFT_PAST_LENGTH, DAFT_PAST_ENTITY, DAFT_PAST_PLANES };
 /* Pictures that count together: more would leave trails behind moving shadows. */
 #define DAFT_LONGEST_PAST 8

@@ -25,8 +25,10 @@ bool daft_past_prepare(daft_past *past, const daft_allocator *allocator, const d
 void daft_past_clear(daft_past *past, int x, int y, int side)
 {
     const size_t size = (size_t)past->width * (size_t)past->height;
-    float *entity = past->planes[!past->now] + DAFT_PAST_ENTITY * size + (size_t)y * (size_t)past->width + (size_t)x;
-    for (int row = 0; row < side; row++) memset(entity + row * past->width, 0, (size_t)side * sizeof *entity);
+    float *first = past->planes[!past->now] + (size_t)y * (size_t)past->width + (size_t)x;
+    for (size_t plane = 0; plane < DAFT_PAST_PLANES; plane++) /* what weighs nothing is a number, too */
+        for (int row = 0; row < side; row++)
+            memset(first + plane * size + (size_t)row * (size_t)past->width, 0, (size_t)side * sizeof *first);
 }
 
 void daft_past_turn(daft_past *past) { past->now = !past->now, past->some = true; }

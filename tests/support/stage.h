@@ -26,19 +26,25 @@ typedef struct stage {
     daft_vec3 normal[PIXELS];
 } stage;
 
-static inline stage *stage_make(int threads, const char *isa)
+static inline stage *stage_make_with(const daft_engine_def *given)
 {
     stage *s = calloc(1, sizeof *s);
     assert_non_null(s);
-    daft_engine_def def = daft_default_engine_def();
+    daft_engine_def def = *given;
     daft_error error = {0};
-    def.threads = threads, def.isa = isa;
     assert_non_null(s->engine = daft_engine_create(&def, &error));
     assert_non_null(s->scene = daft_scene_create(s->engine, &error));
     assert_non_null(s->image = daft_image_create(s->engine, WIDTH, HEIGHT, &error));
     s->view = daft_default_view();
     s->view.aov = (daft_aov){.color = s->color, .depth = s->depth, .normal = s->normal};
     return s;
+}
+
+static inline stage *stage_make(int threads, const char *isa)
+{
+    daft_engine_def def = daft_default_engine_def();
+    def.threads = threads, def.isa = isa;
+    return stage_make_with(&def);
 }
 
 static inline void stage_drop(stage *s)

@@ -79,10 +79,10 @@ bool daft_denoise_prepare(daft_frame *frame, daft_error *error)
         !daft_grow(&r->allocator, &r->noisy, &r->noisy_capacity, frame->tile_count, 0, sizeof *r->noisy))
         return daft_fail_memory(error, "what is denoised");
     full.planes = r->planes, light.planes = half ? r->planes + first : r->planes;
-    const bool same = memcmp(&r->grid, &full, sizeof full) == 0 && r->light_grid.planes == light.planes &&
-                      r->light_grid.step == light.step;
+    const bool same = memcmp(&r->grid, &full, sizeof full) == 0 && r->plane_count == planes &&
+                      r->light_grid.planes == light.planes && r->light_grid.step == light.step;
     if (!same) memset(r->planes, 0, size * sizeof *r->planes); /* margins stay 0 */
-    r->grid = frame->grid = full, r->light_grid = frame->light_grid = light;
+    r->plane_count = planes, r->grid = frame->grid = full, r->light_grid = frame->light_grid = light;
     for (int i = 0; past && i < DAFT_PASTS; i++)
         if ((i == DAFT_PAST_GLOSS ? glossy : frame->plan.samples_light) &&
             !daft_past_prepare(&past[i], &r->allocator, s, i == DAFT_PAST_GLOSS ? &full : &light, error))
@@ -563,8 +563,9 @@ bool daft_denoise(daft_frame *frame, daft_error *error)
             (frame->plan.samples_light ? DAFT_NOISY_LIGHT : 0) | (frame->plan.glossy ? DAFT_NOISY_GLOSS : 0);
         frame->filtered = kinds;
         daft_parallel_for(r->threads, frame->tile_count, reuse_task, frame);
-        if (s->row_count == s->height && kinds & DAFT_NOISY_LIGHT) daft_past_turn(&s->past[DAFT_PAST_LIGHT]);
-        if (s->row_count == s->height && kinds & DAFT_NOISY_GLOSS) daft_past_turn(&s->past[DAFT_PAST_GLOSS]);
+        const bool whole = s->row_count == s->height && !atomic_load(&frame->cancelled);
+        if (whole && kinds & DAFT_NOISY_LIGHT) daft_past_turn(&s->past[DAFT_PAST_LIGHT]);
+        if (whole && kinds & DAFT_NOISY_GLOSS) daft_past_turn(&s->past[DAFT_PAST_GLOSS]);
     }
     for (int kind = DAFT_NOISY_LIGHT; kind <= DAFT_NOISY_GLOSS; kind++)
         if (noisy & kind) filter_kind(frame, kind);

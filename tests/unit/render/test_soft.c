@@ -448,6 +448,47 @@ static void what_was_hidden_begins_anew(void **unused)
     stage_drop(s), stage_drop(fresh);
 }
 
+static void *fill(void *user, size_t size, size_t alignment)
+{
+    size_t up = (size + alignment - 1) / alignment * alignment;
+    void *memory = aligned_alloc(alignment < sizeof(void *) ? sizeof(void *) : alignment, (up + 15) / 16 * 16);
+    if (memory) memset(memory, *(const int *)user, size);
+    return memory;
+}
+
+static void give_back(void *user, void *memory)
+{
+    (void)user;
+    free(memory);
+}
+
+/* Whatever memory holds: nothing of it is read before it is written, not even to weigh it with 0, which of what is no
+ * number makes none. Kinds of sampled light come and go, and sizes change. */
+static void what_memory_held_is_not_seen(void **unused)
+{
+    (void)unused;
+    enum { PICTURES = 40 };
+    static uint8_t first[PICTURES][4 * PIXELS];
+    for (int k = 0; k < 2; k++) {
+        int byte = k ? 0xff : 0;
+        daft_error error = {0};
+        daft_engine_def def = daft_default_engine_def();
+        def.threads = 2, def.allocator = (daft_allocator){.user = &byte, .allocate = fill, .release = give_back};
+        stage *s = stage_make_with(&def);
+        furnish(s);
+        assert_non_null(s->view.history = daft_history_create(s->engine, &error));
+        for (int i = 0; i < PICTURES; i++) {
+            s->view.camera.yaw += 0.02f, s->view.camera.pitch -= 0.01f;
+            s->view.quality.half_light = i % 8 < 4;
+            s->view.quality.shadow_samples = i % 8 == 2 ? 0 : 1;
+            draw(s);
+            if (k == 0) memcpy(first[i], daft_image_pixels(s->image), sizeof first[i]);
+            assert_memory_equal(first[i], daft_image_pixels(s->image), sizeof first[i]);
+        }
+        stage_drop(s);
+    }
+}
+
 /* The same bytes for any number of threads and any instruction set, as a whole and in bands. */
 static void denoised_pictures_are_the_same_everywhere(void **unused)
 {
@@ -484,6 +525,7 @@ int main(void)
                                        cmocka_unit_test(lights_out_of_sight_are_not_asked),
                                        cmocka_unit_test(nothing_is_sampled_that_nobody_asked_for),
                                        cmocka_unit_test(denoised_is_closer),
+                                       cmocka_unit_test(what_memory_held_is_not_seen),
                                        cmocka_unit_test(half_the_resolution_is_nearly_as_close),
                                        cmocka_unit_test(edges_are_as_smooth_as_what_is_filtered),
                                        cmocka_unit_test(tiles_that_see_the_sky_are_not_filtered),
