@@ -1,7 +1,8 @@
 /* math: vectors, matrices, quaternions (vec.h); SIMD lanes (simd/ops.h) and functions over them (simd/elementary.h);
  * which instruction set runs (simd/dispatch.h); exact predicates (exact.h); functions whose bits do not depend on the
- * system's libm (trig.h). Promises: every result is the same on every machine, compiler, instruction set and build
- * type. Public headers: vec.h exact.h trig.h simd/ops.h simd/elementary.h simd/dispatch.h */
+ * system's libm (trig.h); eigenvectors (jacobi.h). Promises: every result is the same on every machine, compiler,
+ * instruction set and build type. Public headers: vec.h exact.h trig.h jacobi.h simd/ops.h simd/elementary.h
+ * simd/dispatch.h */
 #ifndef DAFT_VEC_H
 #define DAFT_VEC_H
 

@@ -9,6 +9,8 @@
  * Time is linear in the triangles that glow. */
 #include "scene/glow.h"
 
+#include "math/jacobi.h"
+
 enum { FAMILIES = 16, FRAMES = 6 };
 
 static const double SMALLER = 0.98;
@@ -133,31 +135,13 @@ static void add_frames_of_faces(survey *s)
     for (int k = 0; k < 3; k++) add_frame(s, first->sum, first->edges[k]);
 }
 
-/* One Jacobi rotation that makes a[p][q] zero (Golub and Van Loan, "Matrix Computations", 8.5); v's columns turn. */
-static void rotate(double a[9], double v[9], int p, int q)
-{
-    const double apq = a[3 * p + q];
-    if (apq == 0) return;
-    const double theta = (a[4 * q] - a[4 * p]) / (2 * apq),
-                 t = (theta < 0 ? -1 : 1) / (fabs(theta) + sqrt(theta * theta + 1)), c = 1 / sqrt(t * t + 1), s = t * c;
-    for (int k = 0; k < 3; k++) {
-        const double x = a[3 * k + p], y = a[3 * k + q];
-        a[3 * k + p] = c * x - s * y, a[3 * k + q] = s * x + c * y;
-    }
-    for (int k = 0; k < 3; k++) {
-        double x = a[3 * p + k], y = a[3 * q + k];
-        a[3 * p + k] = c * x - s * y, a[3 * q + k] = s * x + c * y;
-        x = v[3 * k + p], y = v[3 * k + q];
-        v[3 * k + p] = c * x - s * y, v[3 * k + q] = s * x + c * y;
-    }
-}
-
 static void add_principal_frame(survey *s)
 {
     const double m[3] = {s->middle.x / s->area, s->middle.y / s->area, s->middle.z / s->area};
     double a[9], v[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     for (int i = 0; i < 9; i++) a[i] = s->square[i] / s->area - m[i / 3] * m[i % 3];
-    for (int sweep = 0; sweep < 8; sweep++) rotate(a, v, 0, 1), rotate(a, v, 0, 2), rotate(a, v, 1, 2);
+    for (int sweep = 0; sweep < 8; sweep++)
+        daft_jacobi_rotate(a, v, 0, 1), daft_jacobi_rotate(a, v, 0, 2), daft_jacobi_rotate(a, v, 1, 2);
     add_frame(s, daft_dv3(v[0], v[3], v[6]), daft_dv3(v[1], v[4], v[7]));
 }
 

@@ -2,6 +2,8 @@
  * tetrahedra (Blow and Binstock, "How to find the inertia tensor of a polyhedron", 2004; Tonon 2004). */
 #include "sim/shape/shape.h"
 
+#include "math/jacobi.h"
+
 #include <string.h>
 
 static void diagonal(double out[9], double x, double y, double z)
@@ -144,25 +146,6 @@ daft_mass daft_mass_sum(const daft_mass *a, const daft_mass *b)
 
 /* ---- principal axes ---- */
 
-/* One Jacobi rotation that makes a[p][q] zero (Golub and Van Loan, "Matrix Computations", 8.5). */
-static void rotate(double a[9], double v[9], int p, int q)
-{
-    double apq = a[3 * p + q];
-    if (apq == 0) return;
-    double theta = (a[4 * q] - a[4 * p]) / (2 * apq);
-    double t = (theta < 0 ? -1 : 1) / (fabs(theta) + sqrt(theta * theta + 1)), c = 1 / sqrt(t * t + 1), s = t * c;
-    for (int k = 0; k < 3; k++) {
-        double x = a[3 * k + p], y = a[3 * k + q];
-        a[3 * k + p] = c * x - s * y, a[3 * k + q] = s * x + c * y;
-    }
-    for (int k = 0; k < 3; k++) {
-        double x = a[3 * p + k], y = a[3 * q + k];
-        a[3 * p + k] = c * x - s * y, a[3 * q + k] = s * x + c * y;
-        x = v[3 * k + p], y = v[3 * k + q];
-        v[3 * k + p] = c * x - s * y, v[3 * k + q] = s * x + c * y;
-    }
-}
-
 /* The unit quaternion of a rotation matrix, by the largest of its components. */
 static daft_quat quat_of(const double m[9])
 {
@@ -187,7 +170,7 @@ void daft_mass_principal(const double inertia[9], daft_vec3 *moments, daft_quat 
     memcpy(a, inertia, sizeof a);
     diagonal(v, 1, 1, 1);
     for (int sweep = 0; sweep < 8; sweep++) /* converges quadratically; four are enough */
-        rotate(a, v, 0, 1), rotate(a, v, 0, 2), rotate(a, v, 1, 2);
+        daft_jacobi_rotate(a, v, 0, 1), daft_jacobi_rotate(a, v, 0, 2), daft_jacobi_rotate(a, v, 1, 2);
     *moments = daft_v3((float)a[0], (float)a[4], (float)a[8]);
     *axes = quat_of(v);
 }
