@@ -454,5 +454,7 @@ int main(void)
         cmocka_unit_test(floors_are_lit_as_integration_says), cmocka_unit_test(it_neither_lights_nor_hides_itself),
         cmocka_unit_test(it_throws_shadows_of_others),        cmocka_unit_test(light_is_there_while_it_is_asked_for),
         cmocka_unit_test(materials_of_a_mesh_decide),         cmocka_unit_test(pictures_are_the_same_everywhere)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    const int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    remove("glow_lamp.mtl"), remove("glow_lamp.obj"), remove("glow_map.tga");
+    return failed;
 }
