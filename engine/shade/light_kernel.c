@@ -97,9 +97,13 @@ static uint32_t facing(daft_batch *batch, const daft_light_source *source, uint3
     uint32_t total = 0;
     memset(bits, 0, DAFT_BATCH_WORDS * sizeof bits[0]);
     for (uint32_t i = 0; i < batch->count; i += DAFT_VL) {
-        vf3 l = direction_to(batch, source, i);
-        vf cosine = vf3_dot(lanes_load(&batch->normal, i), l);
-        if (source->area) DAFT_KERNEL(daft_area_form)(batch, i, source, &cosine);
+        vf3 l = {vf_set(0), vf_set(0), vf_set(0)};
+        vf cosine;
+        if (!source->area || source->spot) l = direction_to(batch, source, i);
+        if (source->area)
+            DAFT_KERNEL(daft_area_form)(batch, i, source, &cosine);
+        else
+            cosine = vf3_dot(lanes_load(&batch->normal, i), l);
         vf_store(&batch->cosine[i], cosine);
         vbits lit = vbits_from_mask(vf_lt(vf_set(0), cosine)) & vbits_first_n((int)(batch->count - i));
         if (source->spot && lit) lit &= vbits_from_mask(vf_lt(vf_set(0), cone_falloff(source, l)));
@@ -193,10 +197,12 @@ static __attribute__((noinline)) vf3 area_highlight(const daft_batch *batch, vf3
 {
     const vf zero = vf_set(0), one = vf_set(1), alpha = vf_max(-gloss, zero);
     const vm physical = vf_lt(gloss, zero);
+    const vf left = source->entity ? one - shown_by_rays(mirror) : one;
+    if (!vbits_from_mask(vf_lt(zero, left))) return (vf3){zero, zero, zero};
     const vf width2 = vf_if_then_else(physical, facet_width2(alpha), phong_width2(vf_max(gloss, zero)));
     vf seen;
     DAFT_KERNEL(daft_area_gleam)(batch, i, source, &width2, &seen);
-    if (source->entity) seen = seen * (one - shown_by_rays(mirror));
+    if (source->entity) seen = seen * left;
     const vf away = one - vf_clamp01(vf3_dot(lanes_load(&batch->normal, i), lanes_load(&batch->view, i)));
     const vf away2 = away * away, steep = vf_if_then_else(physical, away2 * away2 * away, zero);
     const vf lost = vf_if_then_else(physical, one / (one - vf_set(0.55f) * vf_sqrt(alpha)) - one, zero);
