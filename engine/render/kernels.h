@@ -187,6 +187,44 @@ static inline uint32_t daft_place_in_batch(uint32_t i)
     return (block / blocks * 4 + row) * DAFT_TILE + block % blocks * 4 + i % 4;
 }
 
+/* Lights with a size that may reach a batch's points, and what each would send to those that cast rays if nothing were
+ * in its way. Of each color it is drawn by how much of that color it would bring. */
+enum { DAFT_CANDIDATES = 64 };
+typedef struct daft_candidates {
+    uint32_t lights, points;
+    uint32_t light[DAFT_CANDIDATES]; /* of the snapshot */
+    uint32_t point[DAFT_BATCH_ROOM]; /* of the batch: those that cast rays, in the order of the arrays below */
+    float turn[DAFT_BATCH_ROOM];     /* where the even row of a point's draws begins: 0..1, a multiple of 2^-12 */
+    float reached[DAFT_BATCH_ROOM];  /* how many of the lights reach it */
+    daft_lanes3 sum, per_sum, upto;  /* of all lights; draws over that; of the lights that are done */
+    daft_lanes3 from[DAFT_CANDIDATES];
+} daft_candidates;
+
+/* A light is asked by `rays` rays of each point. Where more than `all` lights reach a point, those of `draws` draws
+ * are: in each color, an even row over the lights, laid out by what they bring. */
+typedef struct daft_drawing {
+    int rays, all, draws;
+} daft_drawing;
+
+/* Each ray to a rectangle goes to one of so many places. */
+enum { DAFT_PLACES = 4 };
+
+/* Rays to a rectangle that shines. */
+typedef struct daft_area_rays {
+    const daft_batch *points;
+    const daft_light_source *light;
+    uint32_t column, row, step, round, salt; /* the tile's first pixel in the picture; see daft_dice_throw */
+    const uint32_t *place;                   /* of each of the batch's pixels in the tile; NULL: these are places */
+} daft_area_rays;
+
+/* The points that ask a light, by how many rays, and what arrives of the whole if nothing is in the way of these. */
+typedef struct daft_asking {
+    uint32_t count;
+    uint32_t point[DAFT_BATCH_ROOM];
+    int32_t rays[DAFT_BATCH_ROOM];
+    daft_lanes3 light;
+} daft_asking;
+
 typedef struct daft_render_kernels {
     /* Turns a tile's visible surfaces into points of weight 1, filling only the fields that the definition asks for.
      * The other pixels become sky rays, with directions where the sky has more than one colour or there is fog. */
@@ -233,6 +271,17 @@ typedef struct daft_render_kernels {
     void (*reuse)(const daft_reusing *reusing, int x, int y, int width, int height);
     /* The pixels x.., y.. of those that are enlarged to. */
     void (*enlarge)(const daft_enlarging *enlarging, int x, int y, int width, int height);
+    /* What the points' light is more than `before` moves to `whole`; of the points of the bits also, side by side, to
+     * `from`. */
+    void (*take_light)(daft_batch *points, const daft_lanes3 *before, const uint32_t bits[DAFT_BATCH_WORDS],
+                       daft_lanes3 *whole, daft_lanes3 *from);
+    /* Before the first light is drawn; then of the lights in their order: which points ask it. */
+    void (*sum_candidates)(daft_candidates *all, const daft_drawing *how);
+    void (*draw_light)(daft_candidates *all, const daft_drawing *how, uint32_t light, daft_asking *out);
+    /* Ray number[i] of rays[i] of point[i], for `count` of them, and its weight; 0: there is none. Writes whole
+     * registers; `out` is 16-byte aligned. */
+    void (*rectangle_rays)(const daft_area_rays *def, const uint32_t *point, const int32_t *number, const int32_t *rays,
+                           uint32_t count, daft_ray *out, float *weight);
 } daft_render_kernels;
 
 DAFT_KERNEL_DECLARE(daft_render_kernels, daft_render);
@@ -255,6 +304,12 @@ void DAFT_KERNEL(daft_filter_spread)(const daft_filter *f, int x0, int y0, int w
 void DAFT_KERNEL(daft_filter_pass)(const daft_filter *f, int x0, int y0, int width, int height);
 void DAFT_KERNEL(daft_reuse)(const daft_reusing *r, int x0, int y0, int width, int height);
 void DAFT_KERNEL(daft_enlarge)(const daft_enlarging *e, int x0, int y0, int width, int height);
+void DAFT_KERNEL(daft_take_light)(daft_batch *points, const daft_lanes3 *before, const uint32_t bits[DAFT_BATCH_WORDS],
+                                  daft_lanes3 *whole, daft_lanes3 *from);
+void DAFT_KERNEL(daft_sum_candidates)(daft_candidates *all, const daft_drawing *how);
+void DAFT_KERNEL(daft_draw_light)(daft_candidates *all, const daft_drawing *how, uint32_t light, daft_asking *out);
+void DAFT_KERNEL(daft_rectangle_rays)(const daft_area_rays *def, const uint32_t *point, const int32_t *number,
+                                      const int32_t *rays, uint32_t count, daft_ray *out, float *weight);
 void DAFT_KERNEL(daft_find_corners)(const daft_neighbours *neighbours, const daft_contrast *limit,
                                     uint32_t out[DAFT_TILE]);
 void DAFT_KERNEL(daft_match_corners)(const daft_neighbours *neighbours, const daft_tile *tile,

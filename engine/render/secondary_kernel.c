@@ -362,4 +362,8 @@ const daft_render_kernels DAFT_KERNEL(daft_render) = {.surfaces = DAFT_KERNEL(da
                                                       .filter_spread = DAFT_KERNEL(daft_filter_spread),
                                                       .filter_pass = DAFT_KERNEL(daft_filter_pass),
                                                       .reuse = DAFT_KERNEL(daft_reuse),
-                                                      .enlarge = DAFT_KERNEL(daft_enlarge)};
+                                                      .enlarge = DAFT_KERNEL(daft_enlarge),
+                                                      .take_light = DAFT_KERNEL(daft_take_light),
+                                                      .sum_candidates = DAFT_KERNEL(daft_sum_candidates),
+                                                      .draw_light = DAFT_KERNEL(daft_draw_light),
+                                                      .rectangle_rays = DAFT_KERNEL(daft_rectangle_rays)};

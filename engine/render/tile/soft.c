@@ -2,11 +2,16 @@
  * occlusion). Each point casts some rays, to places on the light or over its hemisphere (render/dice.h), and counts
  * those that nothing stops.
  *
- * Of an area, places count by how much of its light at the surface they stand for: one of PLACES is drawn by that for
+ * Of an area, places count by how much of its light at the surface they stand for: one of four is drawn by that for
  * each ray (Talbot, Cline, Egbert, "Importance Resampling for Global Illumination", EGSR 2005), and rays weigh as much
  * as the places that they were drawn from. With what arrives unhindered in closed form (shade/area_kernel.c), their
  * mean is all that is sampled: the ratio estimator of Heitz and others, "Combining Analytic Direct Illumination and
  * Stochastic Shadows" (I3D 2018).
+ *
+ * Where many lights reach a point, some are drawn for it, in each color by how much of it they would bring: what
+ * arrives of a color is the part of the draws whose light comes through. That is right in the mean, and has no noise
+ * where all come through or none does (many lights: Shirley, Wang, Zimmerman, "Monte Carlo Techniques for Direct
+ * Lighting Calculations", 1996; here with the unhindered light itself as measure).
  *
  * What sampled light adds is kept apart: all of it as it would be if nothing were in its way (whole), and what arrives
  * (arrived), so that their ratio can be filtered without blurring anything else. */
@@ -15,17 +20,28 @@
 #include <math.h>
 #include <string.h>
 
-enum { STREAM = 256, PLACES = 4 }; /* rays that are asked together; places of which one is drawn for a ray */
+enum { STREAM = 256 }; /* rays that are asked together */
+/* Lights that reach a point up to which all are asked, and draws of each color where there are more, for each of a
+ * light's samples. */
+enum { LIGHTS_ASKED = 4, LIGHTS_DRAWN = 2 };
 
-/* What tells a point's samples from those of others: where in the picture it counts, the picture's sample, and which
- * light asks. */
+/* Where in the picture a point counts, in pixels of which one is sampled; and the picture's sample. */
+static void place_of(const tile_job *j, const daft_batch *points, uint32_t i, uint32_t *x, uint32_t *y)
+{
+    const uint32_t place = j->refines ? j->s->wanted[points->pixel[i]] : points->pixel[i],
+                   step = (uint32_t)j->frame->light_grid.step;
+    *x = (j->number % daft_tile_columns(j->snapshot) * DAFT_TILE + place % DAFT_TILE) / step;
+    *y = (j->number / daft_tile_columns(j->snapshot) * DAFT_TILE + place / DAFT_TILE) / step;
+}
+
+static uint32_t round_of(const tile_job *j) { return (uint32_t)j->frame->sample + j->snapshot->seed; }
+
+/* What tells a point's samples from those of others; `salt`: of the light that asks. */
 static daft_dice throw_dice(const tile_job *j, const daft_batch *points, uint32_t i, uint32_t salt)
 {
-    const uint32_t place = j->refines ? j->s->wanted[points->pixel[i]] : points->pixel[i];
-    const uint32_t x = j->number % daft_tile_columns(j->snapshot) * DAFT_TILE + place % DAFT_TILE,
-                   y = j->number / daft_tile_columns(j->snapshot) * DAFT_TILE + place / DAFT_TILE,
-                   step = (uint32_t)j->frame->light_grid.step;
-    return daft_dice_throw(x / step, y / step, (uint32_t)j->frame->sample + j->snapshot->seed, salt);
+    uint32_t x, y;
+    place_of(j, points, i, &x, &y);
+    return daft_dice_throw(x, y, round_of(j), salt);
 }
 
 /* Point `k` of `count` in the unit disc. */
@@ -41,7 +57,7 @@ static daft_vec3 lane(const daft_lanes3 *v, uint32_t i) { return daft_v3(v->x[i]
 /* ---- rays ---- */
 
 static daft_ray ray_to_light(const tile_job *j, const daft_batch *points, uint32_t i, const daft_light_source *light,
-                             uint32_t k, uint32_t salt)
+                             uint32_t k, uint32_t rays, uint32_t salt)
 {
     const daft_vec3 from = lane(&points->shadow_origin, i);
     daft_vec3 to = light->sun ? light->to_light : daft_sub(light->position, from), a, b;
@@ -49,7 +65,7 @@ static daft_ray ray_to_light(const tile_job *j, const daft_batch *points, uint32
     float x, y;
     if (!(distance > 0)) return (daft_ray){.origin = from, .direction = to, .tmax = 0};
     daft_axes_across(daft_scale(to, 1 / distance), &a, &b);
-    disc_point(j->r, throw_dice(j, points, i, salt), k, (uint32_t)j->snapshot->quality.shadow_samples, &x, &y);
+    disc_point(j->r, throw_dice(j, points, i, salt), k, rays, &x, &y);
     to = daft_add(to, daft_scale(daft_add(daft_scale(a, x), daft_scale(b, y)), light->radius));
     return (daft_ray){.origin = from, .direction = to, .tmax = light->sun ? INFINITY : 1};
 }
@@ -138,12 +154,13 @@ static float area_ray(const tile_job *j, const daft_batch *points, uint32_t i, c
 {
     const daft_vec3 n = lane(&points->normal, i);
     const daft_dice d = throw_dice(j, points, i, salt);
-    const uint32_t places = j->snapshot->quality.shadow_samples ? PLACES : 1, count = places > 1 ? PLACES * rays : 0;
-    float sum = 0, upto[PLACES];
-    daft_ray all[PLACES];
+    const uint32_t places = j->snapshot->quality.shadow_samples ? DAFT_PLACES : 1,
+                   count = places > 1 ? DAFT_PLACES * rays : 0;
+    float sum = 0, upto[DAFT_PLACES];
+    daft_ray all[DAFT_PLACES];
     for (uint32_t p = 0; p < places; p++) {
         all[p] = (daft_ray){.origin = lane(&points->shadow_origin, i)};
-        upto[p] = sum += place_ray(j, light, n, d, k * PLACES + p, count, &all[p]);
+        upto[p] = sum += place_ray(j, light, n, d, k * DAFT_PLACES + p, count, &all[p]);
     }
     const float at = (float)(scramble(d.turn + 2891336453u * d.radius + k * DAFT_R2_X) >> 8) * 0x1p-24f * sum;
     uint32_t p = 0;
@@ -170,13 +187,21 @@ static daft_ray ray_around(const tile_job *j, const daft_batch *points, uint32_t
     return (daft_ray){.origin = lane(&points->shadow_origin, i), .direction = to, .tmax = j->snapshot->occlusion};
 }
 
-/* Rays that wait to be asked, and whose they are. */
+/* Rays that wait to be asked, whose they are, and what they bring; those from `made` on are yet to be made. */
 typedef struct ray_queue {
-    uint32_t count;
-    daft_ray ray[STREAM];
-    uint32_t point[STREAM];
-    float weight[STREAM];
+    _Alignas(64) daft_ray ray[STREAM + 16]; /* room for whole registers */
+    uint32_t count, made;
+    uint32_t point[STREAM + 16];
+    int32_t number[STREAM + 16], rays[STREAM + 16]; /* which of how many of the point's */
+    float weight[STREAM + 16];
+    daft_vec3 light[STREAM];
 } ray_queue;
+
+/* Whom a queue's new rays go to: a light, by its number, or with NULL around. */
+typedef struct target {
+    const daft_light_source *light;
+    uint32_t number;
+} target;
 
 /* What surfaces with alpha leave of a ray, over all colours. */
 static float filtered(tile_job *j, const daft_batch *points, const daft_ray *ray, uint32_t point)
@@ -185,26 +210,86 @@ static float filtered(tile_job *j, const daft_batch *points, const daft_ray *ray
     return left.x == left.y && left.y == left.z ? left.x : (left.x + left.y + left.z) / 3;
 }
 
-static void ask(tile_job *j, const daft_batch *points, ray_queue *q, daft_effect_kind effect, float *open)
+static void ask(tile_job *j, const daft_batch *points, ray_queue *q, daft_effect_kind effect)
 {
     uint32_t stopped[STREAM / 32];
-    const bool filters = j->frame->plan.filters;
+    daft_lanes3 *arrived = &j->s->sampled->arrived;
     j->r->accel->occluded_stream(j->frame->tlas, q->ray, q->count, stopped);
-    for (uint32_t i = 0; i < q->count; i++) {
-        if (stopped[i / 32] >> (i % 32) & 1) continue;
-        open[q->point[i]] += filters ? q->weight[i] * filtered(j, points, &q->ray[i], q->point[i]) : q->weight[i];
+    for (uint32_t k = 0; k < q->count; k++) {
+        if (stopped[k / 32] >> (k % 32) & 1) continue;
+        const uint32_t i = q->point[k];
+        const float part = j->frame->plan.filters ? filtered(j, points, &q->ray[k], i) : 1;
+        arrived->x[i] += q->light[k].x * part, arrived->y[i] += q->light[k].y * part;
+        arrived->z[i] += q->light[k].z * part;
     }
     j->s->rays_cast[effect] += q->count;
-    q->count = 0;
+    q->count = q->made = 0;
 }
 
 /* Ray `k` of `rays` to the light, or with NULL around, and its weight; 0: there is none. */
-static float make_ray(const tile_job *j, const daft_batch *points, uint32_t i, const daft_light_source *light,
-                      uint32_t k, uint32_t rays, uint32_t salt, daft_ray *ray)
+static float make_ray(const tile_job *j, const daft_batch *points, uint32_t i, const target *to, uint32_t k,
+                      uint32_t rays, daft_ray *ray)
 {
-    if (light && light->area) return area_ray(j, points, i, light, k, rays, salt, ray);
-    *ray = light ? ray_to_light(j, points, i, light, k, salt) : ray_around(j, points, i, k);
-    return 1 / (float)rays;
+    if (to->light && to->light->area) return area_ray(j, points, i, to->light, k, rays, to->number, ray);
+    *ray = to->light ? ray_to_light(j, points, i, to->light, k, rays, to->number) : ray_around(j, points, i, k);
+    return 1;
+}
+
+/* The new rays, with their weights. Of rectangles in lanes, but for those that find only slivers. */
+static void make_rays(const tile_job *j, const daft_batch *points, const target *to, ray_queue *q)
+{
+    const uint32_t first = q->made, count = q->count - first, columns = daft_tile_columns(j->snapshot);
+    const daft_area_rays def = {.points = points,
+                                .light = to->light,
+                                .column = j->number % columns * DAFT_TILE,
+                                .row = j->number / columns * DAFT_TILE,
+                                .step = (uint32_t)j->frame->light_grid.step,
+                                .round = round_of(j),
+                                .salt = to->number,
+                                .place = j->refines ? j->s->wanted : NULL};
+    const bool lanes = to->light && to->light->area == DAFT_AREA_RECTANGLE && j->snapshot->quality.shadow_samples > 0;
+    if (lanes)
+        j->r->kernels->rectangle_rays(&def, &q->point[first], &q->number[first], &q->rays[first], count, &q->ray[first],
+                                      &q->weight[first]);
+    for (uint32_t k = first; k < q->count; k++)
+        if (!lanes || !(q->weight[k] > 0))
+            q->weight[k] =
+                make_ray(j, points, q->point[k], to, (uint32_t)q->number[k], (uint32_t)q->rays[k], &q->ray[k]);
+}
+
+/* Makes the new rays; each point's bring, among them, what the first of them has. Those without weight are left out. */
+static void finish_rays(const tile_job *j, const daft_batch *points, const target *to, ray_queue *q)
+{
+    const uint32_t end = q->count;
+    if (q->made == end) return;
+    make_rays(j, points, to, q);
+    q->count = q->made;
+    for (uint32_t k = q->made; k < end;) {
+        const uint32_t next = k + (uint32_t)q->rays[k];
+        const daft_vec3 brought = q->light[k];
+        float all = 0;
+        for (uint32_t i = k; i < next; i++) all += q->weight[i] > 0 ? q->weight[i] : 0;
+        for (; k < next; k++) {
+            if (!(q->weight[k] > 0)) continue;
+            daft_cost_add(j, &points->pixel[q->point[k]], 1);
+            q->ray[q->count] = q->ray[k], q->point[q->count] = q->point[k];
+            q->light[q->count++] = daft_scale(brought, q->weight[k] / all);
+        }
+    }
+    q->made = q->count;
+}
+
+/* Point i's rays, which among them bring so much. */
+static void cast(tile_job *j, const daft_batch *points, uint32_t i, const target *to, uint32_t rays, daft_vec3 brought,
+                 ray_queue *q)
+{
+    if (q->count + rays > STREAM) {
+        finish_rays(j, points, to, q);
+        ask(j, points, q, to->light ? DAFT_EFFECT_SHADOW : DAFT_EFFECT_OCCLUSION);
+    }
+    q->light[q->count] = brought;
+    for (uint32_t k = 0; k < rays; k++, q->count++)
+        q->point[q->count] = i, q->number[q->count] = (int32_t)k, q->rays[q->count] = (int32_t)rays;
 }
 
 /* The points of which rays are cast: of those that are to be filtered the ones of the grid, and where rough surfaces
@@ -222,59 +307,31 @@ static void choose(const tile_job *j, const daft_batch *points, const uint32_t *
     }
 }
 
-/* What fraction of the light, or with NULL of what is around, arrives at each point of the bits. */
-static void sample(tile_job *j, const daft_batch *points, const daft_light_source *light, uint32_t salt,
-                   const uint32_t *bits, float *open)
-{
-    const daft_effect_kind effect = light ? DAFT_EFFECT_SHADOW : DAFT_EFFECT_OCCLUSION;
-    const daft_quality *quality = &j->snapshot->quality;
-    const uint32_t rays = (uint32_t)daft_max_i(light ? quality->shadow_samples : quality->occlusion_samples, 1);
-    uint32_t chosen[DAFT_BATCH_WORDS];
-    float all[DAFT_BATCH_ROOM];
-    ray_queue q;
-    q.count = 0;
-    choose(j, points, bits, chosen);
-    memset(open, 0, points->count * sizeof *open);
-    memset(all, 0, points->count * sizeof *all);
-    for (uint32_t k = 0; k < rays; k++) {
-        for (uint32_t i = 0; i < points->count; i++) {
-            if (!(chosen[i / 32] >> (i % 32) & 1)) continue;
-            const float weight = make_ray(j, points, i, light, k, rays, salt, &q.ray[q.count]);
-            if (!(weight > 0)) continue;
-            daft_cost_add(j, &points->pixel[i], 1);
-            q.point[q.count] = i, q.weight[q.count] = weight, all[i] += weight;
-            if (++q.count == STREAM) ask(j, points, &q, effect, open);
-        }
-    }
-    if (q.count) ask(j, points, &q, effect, open);
-    for (uint32_t i = 0; light && light->area && i < points->count; i++) open[i] = all[i] > 0 ? open[i] / all[i] : 0;
-    ran(j, effect);
-    book(j, effect);
-}
-
 /* ---- light that arrives ---- */
 
-static void begin(daft_sampled_light *s)
+/* The points of the bits that cast rays become candidates' points; the batch's sampled light begins. */
+static void begin(tile_job *j, const daft_batch *points, const uint32_t *bits)
 {
-    if (s->some) return;
+    daft_sampled_light *s = j->s->sampled;
+    daft_candidates *c = &s->candidates;
+    if (!s->some) {
+        memset(&s->whole, 0, sizeof s->whole);
+        memset(&s->arrived, 0, sizeof s->arrived);
+    }
     s->some = true;
-    memset(&s->whole, 0, sizeof s->whole);
-    memset(&s->arrived, 0, sizeof s->arrived);
+    c->lights = c->points = 0;
+    choose(j, points, bits, s->chosen);
+    for (uint32_t i = 0; i < points->count; i++)
+        if (s->chosen[i / 32] >> (i % 32) & 1) c->point[c->points++] = i;
 }
 
-/* What the points' light has become more than it was, with s->open of it, goes to the sampled light. */
-static void move(daft_sampled_light *s, daft_batch *points)
+static void all_points(const daft_batch *points, uint32_t *bits)
 {
-    float *light[3] = {points->light.x, points->light.y, points->light.z};
-    float *before[3] = {s->before.x, s->before.y, s->before.z}, *whole[3] = {s->whole.x, s->whole.y, s->whole.z},
-          *arrived[3] = {s->arrived.x, s->arrived.y, s->arrived.z};
-    begin(s);
-    for (int c = 0; c < 3; c++)
-        for (uint32_t i = 0; i < points->count; i++) {
-            const float more = light[c][i] - before[c][i];
-            whole[c][i] += more, arrived[c][i] += more * s->open[i];
-            light[c][i] = before[c][i];
-        }
+    for (uint32_t i = 0; i < DAFT_BATCH_WORDS; i++) {
+        const uint32_t left = points->count > 32 * i ? points->count - 32 * i : 0;
+        bits[i] = left >= 32 ? UINT32_MAX : (1u << left) - 1;
+    }
+    daft_tile_skip_holes(points, bits);
 }
 
 static void keep(daft_sampled_light *s, const daft_batch *points)
@@ -284,33 +341,88 @@ static void keep(daft_sampled_light *s, const daft_batch *points)
     memcpy(s->before.z, points->light.z, points->count * sizeof(float));
 }
 
+/* What the points' light has become more than it was is sampled light, of a light or of what is around. */
+static void take(tile_job *j, daft_batch *points)
+{
+    daft_sampled_light *s = j->s->sampled;
+    j->r->kernels->take_light(points, &s->before, s->chosen, &s->whole, &s->candidates.from[s->candidates.lights]);
+}
+
 void daft_tile_occlusion(tile_job *j, daft_batch *points)
 {
     const daft_ambient none = {0};
+    const target around = {0};
     daft_sampled_light *s = j->s->sampled;
+    const daft_candidates *c = &s->candidates;
     uint32_t all[DAFT_BATCH_WORDS];
-    for (uint32_t i = 0; i < DAFT_BATCH_WORDS; i++) {
-        const uint32_t left = points->count > 32 * i ? points->count - 32 * i : 0;
-        all[i] = left >= 32 ? UINT32_MAX : (1u << left) - 1;
-    }
-    daft_tile_skip_holes(points, all);
+    ray_queue q;
+    q.count = q.made = 0;
+    all_points(points, all);
+    begin(j, points, all);
     j->r->shade->ambient(points, j->snapshot->materials, &none);
     keep(s, points);
     j->r->shade->ambient(points, j->snapshot->materials, &j->snapshot->ambient);
+    take(j, points);
     book(j, DAFT_EFFECT_LIGHTING);
-    sample(j, points, NULL, 0, all, s->open);
-    move(s, points);
+    const uint32_t rays = (uint32_t)daft_max_i(j->snapshot->quality.occlusion_samples, 1);
+    for (uint32_t i = 0; i < c->points; i++) cast(j, points, c->point[i], &around, rays, lane(&c->from[0], i), &q);
+    finish_rays(j, points, &around, &q);
+    if (q.count) ask(j, points, &q, DAFT_EFFECT_OCCLUSION);
+    ran(j, DAFT_EFFECT_OCCLUSION);
+    book(j, DAFT_EFFECT_OCCLUSION);
 }
 
 void daft_tile_soft_light(tile_job *j, daft_batch *points, uint32_t number, const daft_lanes3 *passed)
 {
-    const daft_light_source *light = &j->snapshot->lights[number];
     daft_sampled_light *s = j->s->sampled;
+    daft_candidates *c = &s->candidates;
+    if (c->lights == 0) {
+        uint32_t all[DAFT_BATCH_WORDS];
+        all_points(points, all);
+        begin(j, points, all);
+    }
     keep(s, points);
-    j->r->shade->direct_light(points, j->snapshot->materials, light, j->s->lit, passed, NULL);
+    j->r->shade->direct_light(points, j->snapshot->materials, &j->snapshot->lights[number], j->s->lit, passed, NULL);
+    take(j, points);
+    c->light[c->lights++] = number;
     book(j, DAFT_EFFECT_LIGHTING);
-    sample(j, points, light, number, j->s->lit, s->open);
-    move(s, points);
+    if (c->lights == DAFT_CANDIDATES) daft_tile_ask_lights(j, points);
+}
+
+/* Where a point's draws begin: in other directions of the picture, and from picture to picture by another number, than
+ * its places on lights do (the R3 sequence beside R2). */
+static float turn_of(const tile_job *j, const daft_batch *points, uint32_t i)
+{
+    const uint32_t R3_X = 3518319153u, R3_Y = 2882110345u, R3_Z = 2360945575u;
+    uint32_t x, y;
+    place_of(j, points, i, &x, &y);
+    return (float)((x * R3_X + y * R3_Y + round_of(j) * R3_Z) >> 20) * 0x1p-12f;
+}
+
+void daft_tile_ask_lights(tile_job *j, const daft_batch *points)
+{
+    daft_sampled_light *s = j->s->sampled;
+    daft_candidates *c = &s->candidates;
+    const int samples = j->snapshot->quality.shadow_samples, rays = daft_max_i(samples, 1);
+    const daft_drawing how = {
+        .rays = rays, .all = samples ? LIGHTS_ASKED : DAFT_CANDIDATES, .draws = LIGHTS_DRAWN * rays};
+    daft_asking asking;
+    ray_queue q;
+    q.count = q.made = 0;
+    if (c->lights == 0) return;
+    for (uint32_t i = 0; i < c->points; i++) c->turn[i] = turn_of(j, points, c->point[i]);
+    j->r->kernels->sum_candidates(c, &how);
+    for (uint32_t l = 0; l < c->lights; l++) {
+        const target to = {.light = &j->snapshot->lights[c->light[l]], .number = c->light[l]};
+        j->r->kernels->draw_light(c, &how, l, &asking);
+        for (uint32_t i = 0; i < asking.count; i++)
+            cast(j, points, asking.point[i], &to, (uint32_t)asking.rays[i], lane(&asking.light, i), &q);
+        finish_rays(j, points, &to, &q);
+    }
+    if (q.count) ask(j, points, &q, DAFT_EFFECT_SHADOW);
+    c->lights = 0;
+    ran(j, DAFT_EFFECT_SHADOW);
+    book(j, DAFT_EFFECT_SHADOW);
 }
 
 void daft_tile_add_sampled(const daft_sampled_light *s, daft_batch *points)

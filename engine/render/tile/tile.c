@@ -135,7 +135,7 @@ static void light_points(tile_job *j, daft_batch *points, int depth)
     const bool seen = depth == 0;
     const daft_ambient *first = &snapshot->ambient;
     if (j->s->sampled) {
-        j->s->sampled->some = false;
+        j->s->sampled->some = false, j->s->sampled->candidates.lights = 0;
         j->s->sampled->recalls = j->refines && j->frame->plan.denoise;
         if (j->s->sampled->recalls) daft_denoise_recall(j, points, seen);
     }
@@ -164,6 +164,7 @@ static void light_points(tile_job *j, daft_batch *points, int depth)
             j->r->shade->direct_light(points, snapshot->materials, light, j->s->lit, passed, first);
         first = NULL;
     }
+    if (j->s->sampled) daft_tile_ask_lights(j, points);
     if (first) j->r->shade->ambient(points, snapshot->materials, first);
     if (j->frame->media) daft_media_end(j, points, depth);
     if (seen && j->frame->plan.fog) daft_fog_points(j, points);

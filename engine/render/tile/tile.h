@@ -53,10 +53,11 @@ void daft_tile_report(daft_frame *frame, uint32_t worker);
 /* shadows.c: takes away the bits s->lit of the points that are hidden from the light. */
 void daft_tile_shadows(tile_job *j, const daft_batch *points, const daft_light_source *light);
 /* soft.c: light that is sampled, in s->sampled: the ambient light, as far as points see their surroundings, after which
- * points have the light of their own; a light that has a size, for the points of s->lit; and all of what arrives, to
- * the points' own light. */
+ * points have the light of their own; lights that have a size, for the points of s->lit, which are asked for all at
+ * once; and all of what arrives, to the points' own light. */
 void daft_tile_occlusion(tile_job *j, daft_batch *points);
 void daft_tile_soft_light(tile_job *j, daft_batch *points, uint32_t number, const daft_lanes3 *passed);
+void daft_tile_ask_lights(tile_job *j, const daft_batch *points);
 void daft_tile_add_sampled(const daft_sampled_light *sampled, daft_batch *points);
 /* denoise.c: of a tile nothing is sampled yet; what its pixels see; the sampled light of a batch, which pixels see
  * themselves or on a way of some weight; and the light of the rest. False: there is nothing to wait for. */
