@@ -25,14 +25,16 @@ DAFT_INLINE vf3 either(vm m, vf3 a, vf3 b)
     return (vf3){vf_if_then_else(m, a.x, b.x), vf_if_then_else(m, a.y, b.y), vf_if_then_else(m, a.z, b.z)};
 }
 
-/* The angle between directions by their product's length and their cosine's part: vf_atan2() for y of 0 and up, with
- * one division in place of two. */
-DAFT_INLINE vf angle_of(vf y, vf x)
+/* The angle that an edge spans, times the cosine between `n` and the normal of its plane through the origin. `c`: the
+ * product of its ends, as the product of one end and the edge, so that far edges keep their digits. As vf_atan2() of
+ * the length of c and the ends' product, but with one division for all. */
+DAFT_INLINE vf edge_part(vf3 a, vf3 b, vf3 c, vf3 n)
 {
-    const vf zero = vf_set(0), ax = vf_abs(x), large = vf_max(ax, y), small = vf_min(ax, y);
+    const vf zero = vf_set(0), tiny = vf_set(1e-30f), x = vf3_dot(a, b), ax = vf_abs(x);
+    const vf y = vf_max(vf_sqrt(vf3_dot(c, c)), tiny), large = vf_max(ax, y), small = vf_min(ax, y);
     const vm upper = vf_lt(large * vf_set(0.414213562f), small); /* above tan(pi/8): turned by pi/4 */
     const vf over = vf_if_then_else(upper, small - large, small), under = vf_if_then_else(upper, small + large, large);
-    const vf r = over / vf_max(under, vf_set(1e-37f)), r2 = r * r;
+    const vf both = vf_set(1) / (under * y), r = over * y * both, r2 = r * r;
     vf s = vf_set(-1.0f / 15);
     s = s * r2 + vf_set(1.0f / 13);
     s = s * r2 - vf_set(1.0f / 11);
@@ -43,15 +45,8 @@ DAFT_INLINE vf angle_of(vf y, vf x)
     vf angle = r + r * r2 * s;
     angle = angle + vf_if_then_else(upper, vf_set(0.785398163f), zero);
     angle = vf_if_then_else(vf_lt(ax, y), vf_set(1.57079633f) - angle, angle);
-    return vf_if_then_else(vf_lt(x, zero), vf_set(3.14159265f) - angle, angle);
-}
-
-/* The angle that an edge spans, times the cosine between `n` and the normal of its plane through the origin. `c`: the
- * product of its ends, as the product of one end and the edge, so that far edges keep their digits. */
-DAFT_INLINE vf edge_part(vf3 a, vf3 b, vf3 c, vf3 n)
-{
-    const vf length = vf_sqrt(vf3_dot(c, c));
-    return angle_of(length, vf3_dot(a, b)) * vf3_dot(n, c) / vf_max(length, vf_set(1e-30f));
+    angle = vf_if_then_else(vf_lt(x, zero), vf_set(3.14159265f) - angle, angle);
+    return angle * (vf3_dot(n, c) * under * both);
 }
 
 /* Lambert's sum where no corner is below the horizon: that below, bit for bit. */

@@ -23,7 +23,7 @@
 enum { STREAM = 256 }; /* rays that are asked together */
 /* Lights that reach a point up to which all are asked, and draws of each color where there are more, for each of a
  * light's samples. */
-enum { LIGHTS_ASKED = 4, LIGHTS_DRAWN = 2 };
+enum { LIGHTS_ASKED = 8, LIGHTS_DRAWN = 2 };
 
 /* Where in the picture a point counts, in pixels of which one is sampled; and the picture's sample. */
 static void place_of(const tile_job *j, const daft_batch *points, uint32_t i, uint32_t *x, uint32_t *y)
@@ -389,14 +389,14 @@ void daft_tile_soft_light(tile_job *j, daft_batch *points, uint32_t number, cons
     if (c->lights == DAFT_CANDIDATES) daft_tile_ask_lights(j, points);
 }
 
-/* Where a point's draws begin: in other directions of the picture, and from picture to picture by another number, than
- * its places on lights do (the R3 sequence beside R2). */
+/* Where a point's draws begin, evenly over the picture and from picture to picture, whatever its places on lights: by
+ * the square roots of 2, 3 and 5, as fractions of 2^32 (Richtmyer, "The Evaluation of Definite Integrals, and a
+ * Quasi-Monte-Carlo Method", 1951). */
 static float turn_of(const tile_job *j, const daft_batch *points, uint32_t i)
 {
-    const uint32_t R3_X = 3518319153u, R3_Y = 2882110345u, R3_Z = 2360945575u;
     uint32_t x, y;
     place_of(j, points, i, &x, &y);
-    return (float)((x * R3_X + y * R3_Y + round_of(j) * R3_Z) >> 20) * 0x1p-12f;
+    return (float)((x * 1779033703u + y * 3144134277u + round_of(j) * 1013904243u) >> 20) * 0x1p-12f;
 }
 
 void daft_tile_ask_lights(tile_job *j, const daft_batch *points)

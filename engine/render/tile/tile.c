@@ -91,17 +91,35 @@ static bool may_reach(const daft_light_source *light, const surroundings *w)
     return !(across * cosine - along * sine > slack); /* a NaN may reach */
 }
 
+/* A batch's points that glow, as bits, once they are looked for. */
+typedef struct glowing {
+    bool known;
+    uint32_t bits[DAFT_BATCH_WORDS];
+} glowing;
+
+static void find_glowing(const tile_job *j, const daft_batch *points, glowing *g)
+{
+    memset(g->bits, 0, sizeof g->bits);
+    for (uint32_t i = 0; i < points->count; i++) {
+        const daft_vec3 e = j->snapshot->materials[points->material[i]].emission;
+        if (e.x > 0 || e.y > 0 || e.z > 0) g->bits[i / 32] |= 1u << (i % 32);
+    }
+    g->known = true;
+}
+
 /* What glows does not light itself: the stand-in of its shape would, where it lies within. False: no point is left. */
-static bool skip_own(const tile_job *j, const daft_batch *points, const daft_light_source *light)
+static bool skip_own(const tile_job *j, const daft_batch *points, const daft_light_source *light, glowing *g)
 {
     uint32_t *lit = j->s->lit, some = 0;
-    for (uint32_t i = 0; light->bounded && i < points->count; i++) {
-        const daft_vec3 e = j->snapshot->materials[points->material[i]].emission;
-        const bool own = j->snapshot->instances[points->instance[i]].entity == light->entity;
-        if (own && (e.x > 0 || e.y > 0 || e.z > 0)) lit[i / 32] &= ~(1u << (i % 32));
-        some |= lit[i / 32];
+    if (!g->known) find_glowing(j, points, g);
+    for (uint32_t k = 0; k < DAFT_BATCH_WORDS; k++) {
+        for (uint32_t left = g->bits[k] & lit[k]; left; left &= left - 1) {
+            const uint32_t bit = left & (0 - left), i = 32 * k + (uint32_t)__builtin_ctz(left);
+            if (j->snapshot->instances[points->instance[i]].entity == light->entity) lit[k] &= ~bit;
+        }
+        some |= lit[k];
     }
-    return !light->bounded || some;
+    return some;
 }
 
 /* Pixels a side of what a sample stands for, of which a mask covers a part; 0 where nothing is antialiased. */
@@ -144,10 +162,13 @@ static void light_points(tile_job *j, daft_batch *points, int depth)
     const surroundings around = where(j, points);
     if (j->frame->media) daft_media_begin(j, points, depth);
     daft_redraw_points(j, points, seen);
+    glowing glow;
+    glow.known = false;
     for (uint32_t i = 0; i < snapshot->light_count; i++) {
         const daft_light_source *light = &snapshot->lights[i];
         if (!may_reach(light, &around)) continue;
-        if (j->r->shade->facing(points, light, j->s->lit) == 0 || !skip_own(j, points, light)) continue;
+        if (j->r->shade->facing(points, light, j->s->lit) == 0) continue;
+        if (light->bounded && !skip_own(j, points, light, &glow)) continue;
         daft_tile_skip_holes(points, j->s->lit);
         ran(j, DAFT_EFFECT_LIGHTING);
         book(j, DAFT_EFFECT_LIGHTING);
