@@ -51,7 +51,8 @@ typedef struct daft_sampled_light {
     bool tile_some;                       /* of the tile: */
     daft_lanes3 whole, arrived;           /* what would arrive if nothing were in its way; what does */
     daft_lanes3 tile_whole, tile_arrived; /* the same of the tile's pixels, while they are to be filtered */
-    daft_lanes3 before;                   /* the points' light without it */
+    daft_lanes3 before;                   /* the points' light without it, */
+    bool kept;                            /* as long as nothing else lights them */
     uint32_t chosen[DAFT_BATCH_WORDS];    /* the batch's points that cast rays to the lights below */
     daft_candidates candidates;           /* lights with a size that are still to be asked */
     bool recalls;                         /* the batch's points of these bits have the fraction of a pixel like them */

@@ -23,7 +23,7 @@
 enum { STREAM = 256 }; /* rays that are asked together */
 /* Lights that reach a point up to which all are asked, and draws of each color where there are more, for each of a
  * light's samples. */
-enum { LIGHTS_ASKED = 8, LIGHTS_DRAWN = 2 };
+enum { LIGHTS_ASKED = 6, LIGHTS_DRAWN = 2 };
 
 /* Where in the picture a point counts, in pixels of which one is sampled; and the picture's sample. */
 static void place_of(const tile_job *j, const daft_batch *points, uint32_t i, uint32_t *x, uint32_t *y)
@@ -272,7 +272,7 @@ static void finish_rays(const tile_job *j, const daft_batch *points, const targe
         for (; k < next; k++) {
             if (!(q->weight[k] > 0)) continue;
             daft_cost_add(j, &points->pixel[q->point[k]], 1);
-            q->ray[q->count] = q->ray[k], q->point[q->count] = q->point[k];
+            if (q->count != k) q->ray[q->count] = q->ray[k], q->point[q->count] = q->point[k];
             q->light[q->count++] = daft_scale(brought, q->weight[k] / all);
         }
     }
@@ -339,6 +339,7 @@ static void keep(daft_sampled_light *s, const daft_batch *points)
     memcpy(s->before.x, points->light.x, points->count * sizeof(float));
     memcpy(s->before.y, points->light.y, points->count * sizeof(float));
     memcpy(s->before.z, points->light.z, points->count * sizeof(float));
+    s->kept = true;
 }
 
 /* What the points' light has become more than it was is sampled light, of a light or of what is around. */
@@ -381,7 +382,7 @@ void daft_tile_soft_light(tile_job *j, daft_batch *points, uint32_t number, cons
         all_points(points, all);
         begin(j, points, all);
     }
-    keep(s, points);
+    if (!s->kept) keep(s, points);
     j->r->shade->direct_light(points, j->snapshot->materials, &j->snapshot->lights[number], j->s->lit, passed, NULL);
     take(j, points);
     c->light[c->lights++] = number;

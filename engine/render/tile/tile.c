@@ -153,7 +153,7 @@ static void light_points(tile_job *j, daft_batch *points, int depth)
     const bool seen = depth == 0;
     const daft_ambient *first = &snapshot->ambient;
     if (j->s->sampled) {
-        j->s->sampled->some = false, j->s->sampled->candidates.lights = 0;
+        j->s->sampled->some = j->s->sampled->kept = false, j->s->sampled->candidates.lights = 0;
         j->s->sampled->recalls = j->refines && j->frame->plan.denoise;
         if (j->s->sampled->recalls) daft_denoise_recall(j, points, seen);
     }
@@ -178,6 +178,7 @@ static void light_points(tile_job *j, daft_batch *points, int depth)
             j->frame->plan.tints && light->casts_shadow ? daft_tile_tints(j, points, light) : NULL;
         if (j->frame->plan.filters && light->casts_shadow && !soft)
             passed = daft_tile_filters(j, points, light, passed);
+        if (j->s->sampled && (!soft || first)) j->s->sampled->kept = false;
         if (soft && first) j->r->shade->ambient(points, snapshot->materials, first);
         if (soft)
             daft_tile_soft_light(j, points, i, passed);
