@@ -309,7 +309,7 @@ local voice = {}
 ---@field samples? number Samples of a pixel (number, 1, 4, 8 or 16); 1 unless given
 ---@field edge_samples? number More samples where neighbours differ: 4, the corners, at outlines and creases; 16 at edges of shadows and in mirrors, too, and trilinear textures become anisotropic4 (number, 0, 4 or 16); 4 unless given
 ---@field shadows? boolean Whether lights cast shadows; true unless given
----@field shadow_samples? number Rays to a light that has a size; 0: its shadows are sharp (number, 0 to 64); 1 unless given
+---@field shadow_samples? number Rays of a point to each light that has a size or, of more than six, to those that are drawn for it; 0: shadows are sharp (number, 0 to 64); 1 unless given
 ---@field occlusion_samples? number Rays around a point, where the scene has ambient occlusion; 0: none (number, 0 to 64); 1 unless given
 ---@field mirror_depth? number Mirror bounces followed (number, 0 to 32); 2 unless given
 ---@field refraction_depth? number Surfaces that a path which passes through some may meet (number, 0 to 32); 12 unless given

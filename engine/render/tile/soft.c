@@ -23,7 +23,7 @@
 enum { STREAM = 256 }; /* rays that are asked together */
 /* Lights that reach a point up to which all are asked, and draws of each color where there are more, for each of a
  * light's samples. */
-enum { LIGHTS_ASKED = 6, LIGHTS_DRAWN = 2 };
+enum { LIGHTS_ASKED = 6, LIGHTS_DRAWN = 3 };
 
 /* Where in the picture a point counts, in pixels of which one is sampled; and the picture's sample. */
 static void place_of(const tile_job *j, const daft_batch *points, uint32_t i, uint32_t *x, uint32_t *y)

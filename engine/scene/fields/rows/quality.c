@@ -23,7 +23,8 @@ static const daft_field QUALITY_ROWS[] = {
                 "and in mirrors, too, and trilinear textures become anisotropic4"),
     KNOB(shadows, .initial = {1}, .doc = "Whether lights cast shadows"),
     KNOB(shadow_samples, FROM(0, 64), .initial = {1},
-         .doc = "Rays to a light that has a size; 0: its shadows are sharp"),
+         .doc = "Rays of a point to each light that has a size or, of more than six, to those that are drawn "
+                "for it; 0: shadows are sharp"),
     KNOB(occlusion_samples, FROM(0, 64), .initial = {1},
          .doc = "Rays around a point, where the scene has ambient occlusion; 0: none"),
     KNOB(mirror_depth, FROM(0, 32), .initial = {2}, .doc = "Mirror bounces followed"),
