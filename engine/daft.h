@@ -1071,7 +1071,7 @@ typedef struct daft_quality {
                            16, at edges of shadows and in mirrors, too, and trilinear textures become anisotropic4 */
     bool shadows;       /* of every light */
     int shadow_samples; /* rays of a point to each light that has a size, 1 to 64; of more than six lights, to those
-                         * that are drawn for it, nine at most; 0: shadows are sharp */
+                         * that are drawn for it; 0: shadows are sharp */
     int occlusion_samples; /* rays around each point for ambient occlusion, 1 to 64; 0: none */
     int mirror_depth;      /* mirror bounces followed, 0 to 32 */
     int refraction_depth;  /* surfaces that a path which passes through some may meet, 0 to 32 */
