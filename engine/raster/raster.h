@@ -62,10 +62,10 @@ typedef struct daft_tile {
 /* A part of a tile with more rays: the picture is `scale` times as wide and high, and pixels are divided. The tile has
  * scale² parts of DAFT_TILE rows and columns, numbered by rows. Rays that are not asked for see nothing. */
 typedef struct daft_tile_part {
-    int scale; /* a power of two, up to DAFT_TILE; scaled coordinates of pixels are below 2^14 */
+    int scale; /* a power of two, up to DAFT_TILE; scaled coordinates of pixels are below 2^15 */
     int number;
-    float shift_x, shift_y;    /* of the rays from the middles of the divided pixels, as those of daft_pencil */
-    uint32_t asked[DAFT_TILE]; /* bit x of row y */
+    float shift_x, shift_y, turn; /* of the rays from the middles of the divided pixels, as those of daft_pencil */
+    uint32_t asked[DAFT_TILE];    /* bit x of row y */
 } daft_tile_part;
 _Static_assert(DAFT_TILE == 32, "a row of a tile is one word of bits");
 
@@ -166,7 +166,7 @@ static inline daft_pencil daft_part_pencil(const daft_pencil *p, const daft_tile
     daft_pencil own = *p;
     if (!part) return own;
     own.width *= part->scale, own.height *= part->scale, own.focal *= (float)part->scale;
-    own.shift_x = part->shift_x, own.shift_y = part->shift_y;
+    own.shift_x = part->shift_x, own.shift_y = part->shift_y, own.turn = part->turn;
     return own;
 }
 /* Sets the place and size of a tile, or of a part of it. */

@@ -54,7 +54,7 @@ typedef struct daft_apex {
 /* View space: x right, y up, z forward, its origin anywhere on the axis of the pencil. The apex stands at (0, 0,
  * -away); with `parallel` it is infinitely far behind. A grid of pixels has its origin in the apex: the ray of pixel
  * (x, y) is (x + 0.5 - width/2 + shift_x, height/2 - y - 0.5 + shift_y, focal), halves and thirty-seconds, exact in
- * floats. */
+ * floats; with `turn`, plus that many times (y % 4 - 1.5, x % 4 - 1.5). */
 typedef struct daft_pencil {
     daft_vec3 right, up, forward; /* axes, unit, in frame space; nine floats in a row */
     daft_vec3 origin;             /* in frame space; a grid's: 0 */
@@ -65,6 +65,7 @@ typedef struct daft_pencil {
     int width, height;
     daft_intersection intersection;
     float shift_x, shift_y; /* of the sample, in pixels, multiples of 1/32 within -0.5..0.5 */
+    float turn;             /* 0, or 1/4: of four by four rays each lies in a row and a column of its own */
     float reach; /* how far, in pixels, rays of parts of tiles (daft_tile_part) may lie from these; 0: none are asked
                     for */
 } daft_pencil;
@@ -82,10 +83,11 @@ static inline void daft_sphere_slopes(double c, double z, double r, double *low,
     *high = (c * t + z * r) / (z * t - c * r);
 }
 
+static inline float daft_pencil_turned(int place) { return (float)(place & 3) - 1.5f; }
 static inline daft_vec3 daft_pencil_ray(const daft_pencil *p, int x, int y)
 {
-    return daft_v3((float)x + 0.5f - (float)p->width * 0.5f + p->shift_x,
-                   (float)p->height * 0.5f - (float)y - 0.5f + p->shift_y, p->focal);
+    return daft_v3((float)x + 0.5f - (float)p->width * 0.5f + p->shift_x + p->turn * daft_pencil_turned(y),
+                   (float)p->height * 0.5f - (float)y - 0.5f + p->shift_y + p->turn * daft_pencil_turned(x), p->focal);
 }
 /* The pixel, not a whole number, that looks straight ahead: column and row. */
 static inline double daft_pencil_middle_x(const daft_pencil *p)

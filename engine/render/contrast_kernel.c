@@ -34,7 +34,7 @@ DAFT_INLINE pixels pixels_at(const daft_neighbours *n, int x, int y)
 }
 
 typedef struct bits {
-    uint32_t outline, inner, strong;
+    uint32_t outline, inner, strong, stark;
 } bits;
 
 DAFT_INLINE vbits apart(const pixels *a, const pixels *b, vi most)
@@ -67,32 +67,42 @@ DAFT_INLINE bits disagree(const pixels *a, const pixels *b, const daft_contrast 
         vi_if_then_else(same, vi_set(HALVES(limit->inner)),
                         vi_if_then_else(instance, vi_set(HALVES(limit->crease)), vi_set(HALVES(limit->outline))));
     const vbits differ = apart(a, b, most);
-    if (!differ) return (bits){0, 0, 0};
+    if (!differ) return (bits){0, 0, 0, 0};
     const vbits sky = vbits_from_mask(vi_eq(a->id, vi_set((int32_t)DAFT_ID_SKY))), alike = vbits_from_mask(same);
     vbits inner = differ & alike & ~sky;
     if (inner) inner &= lit_apart(a, b, limit->inner);
-    return (bits){differ & ~alike, inner, inner ? inner & lit_apart(a, b, limit->strong) : 0};
+    bits out = {.outline = differ & ~alike, .inner = inner};
+    if (inner) out.strong = inner & lit_apart(a, b, limit->strong);
+    if (out.strong) out.stark = inner & lit_apart(a, b, limit->stark);
+    if (out.outline) {
+        out.strong |= out.outline & apart(a, b, vi_set(HALVES(limit->strong)));
+        out.stark |= out.outline & apart(a, b, vi_set(HALVES(limit->stark)));
+    }
+    return out;
 }
 
 void DAFT_KERNEL(daft_find_contrast)(const daft_neighbours *n, const daft_contrast *limit, daft_edges *out)
 {
-    bits above = {0, 0, 0}; /* of the row's pixels, those that disagree with the one above them */
+    bits above = {0, 0, 0, 0}; /* of the row's pixels, those that disagree with the one above them */
     for (int y = -1; y < DAFT_TILE; y++) {
-        bits down = {0, 0, 0}, right = {0, 0, 0}, left = {0, 0, 0};
+        bits down = {0, 0, 0, 0}, right = {0, 0, 0, 0}, left = {0, 0, 0, 0};
         for (int x = 0; x < DAFT_TILE; x += DAFT_VL) {
             const pixels here = pixels_at(n, x, y), below = pixels_at(n, x, y + 1);
             bits b = disagree(&here, &below, limit);
-            down.outline |= b.outline << x, down.inner |= b.inner << x, down.strong |= b.strong << x;
+            down.outline |= b.outline << x, down.inner |= b.inner << x, down.strong |= b.strong << x,
+                down.stark |= b.stark << x;
             if (y < 0) continue;
             const pixels beside = pixels_at(n, x + 1, y);
             b = disagree(&here, &beside, limit);
-            right.outline |= b.outline << x, right.inner |= b.inner << x, right.strong |= b.strong << x;
+            right.outline |= b.outline << x, right.inner |= b.inner << x, right.strong |= b.strong << x,
+                right.stark |= b.stark << x;
         }
         if (y >= 0) {
             const pixels before = pixels_at(n, -1, y), first = pixels_at(n, 0, y);
             left = disagree(&before, &first, limit);
             out->outline[y] = above.outline | down.outline | right.outline | right.outline << 1 | (left.outline & 1);
             out->inner[y] = above.inner | down.inner | right.inner | right.inner << 1 | (left.inner & 1);
+            out->stark[y] = above.stark | down.stark | right.stark | right.stark << 1 | (left.stark & 1);
             out->strong[y] = above.strong | down.strong | right.strong | right.strong << 1 | (left.strong & 1);
         }
         above = down;

@@ -3,28 +3,31 @@
 #include "render/kernels.h"
 
 enum {
-    RAYS = DAFT_EDGE_GRIDS * DAFT_EDGE_SCALE * DAFT_EDGE_SCALE, /* of a pixel beside an outline */
-    SPOKEN = 4,                                                 /* rays that see the same, for each that is shaded */
+    SCALE = DAFT_EDGE_SCALE,
+    RAYS = DAFT_EDGE_RAYS,
     TRIANGLES = 6, /* that a pixel sees, above which rays go together by instances */
     WIDTH = DAFT_TILE
 };
 _Static_assert(RAYS == 16, "a pixel's rays are sixteen bits");
+/* Rays that see the same, for each that is shaded, by how much changes. */
+static const uint8_t SPOKEN[] = {8, 4, 2};
 
-/* What the two rows of each grid see that a row of pixels has. Ray r of a pixel is that of grid r % 4 in its cell r /
- * 4: one after the other lie apart. */
+/* The places of a pixel's rays, x + 4·y, such that one after the other lie apart: Bayer's order of dither. */
+static const uint8_t ORDER[RAYS] = {0, 10, 2, 8, 5, 15, 7, 13, 1, 11, 3, 9, 4, 14, 6, 12};
+
+/* What a row of pixels has before it: of each ray what it sees. */
 typedef struct seen_row {
-    uint32_t id[2][DAFT_EDGE_GRIDS][WIDTH];
+    uint32_t id[SCALE][WIDTH];
 } seen_row;
 
 static void see_row(const daft_edge_part *p, int y, seen_row *out)
 {
-    for (int row = 0; row < 2; row++)
-        for (int grid = 0; grid < DAFT_EDGE_GRIDS; grid++)
-            for (int x = 0; x < WIDTH; x += DAFT_VL) {
-                const int at = (2 * y + row) * DAFT_TILE_STRIDE + x;
-                const vi triangle = vi_load(&p->grids[grid].triangle[at]) & vi_set((1 << DAFT_ID_INSTANCE) - 1);
-                vi_store(&out->id[row][grid][x], vi_load(&p->grids[grid].instance[at]) << DAFT_ID_INSTANCE | triangle);
-            }
+    for (int row = 0; row < SCALE; row++)
+        for (int x = 0; x < WIDTH; x += DAFT_VL) {
+            const int at = (SCALE * y + row) * DAFT_TILE_STRIDE + x;
+            const vi triangle = vi_load(&p->rays->triangle[at]) & vi_set((1 << DAFT_ID_INSTANCE) - 1);
+            vi_store(&out->id[row][x], vi_load(&p->rays->instance[at]) << DAFT_ID_INSTANCE | triangle);
+        }
 }
 
 /* Those of the pixel's rays that see the same, by number; `id` without some lower bits. */
@@ -55,26 +58,28 @@ DAFT_INLINE uint32_t group_rays(const uint32_t id[RAYS], group out[RAYS])
 typedef struct taking {
     const daft_edge_part *part;
     daft_edge_rays *out;
-    uint32_t place, wanted; /* of the pixel's first ray in the grids; of the pixel in the tile */
+    uint32_t place, wanted; /* of the pixel's first ray in the part; of the pixel in the tile */
+    int level;
 } taking;
 
+/* The ray at a place in the pixel. Two pixels of such a pencil are one of that which shades. */
 DAFT_INLINE void shade(taking *t, uint32_t ray, float rays)
 {
-    const uint32_t grid = ray % DAFT_EDGE_GRIDS, cell = ray / DAFT_EDGE_GRIDS;
-    const uint32_t at = t->place + cell / 2 * DAFT_TILE_STRIDE + cell % 2;
-    const daft_tile *tile = &t->part->grids[grid];
+    const uint32_t x = ray % SCALE, y = ray / SCALE, at = t->place + y * DAFT_TILE_STRIDE + x;
+    const float turn = 0.25f, middle = 1.5f, half = 0.5f;
     daft_seen_list *list = t->out->list;
     const uint32_t i = list->count++, pixel = daft_place_in_batch(i);
-    list->x[i] = t->part->x[grid] + (float)(at % DAFT_TILE_STRIDE);
-    list->y[i] = t->part->y[grid] - (float)(at / DAFT_TILE_STRIDE);
-    list->instance[i] = tile->instance[at], list->triangle[i] = tile->triangle[at];
+    list->x[i] = half * (t->part->x + (float)(at % DAFT_TILE_STRIDE) + turn * ((float)y - middle));
+    list->y[i] = half * (t->part->y - (float)(at / DAFT_TILE_STRIDE) + turn * ((float)x - middle));
+    list->instance[i] = t->part->rays->instance[at], list->triangle[i] = t->part->rays->triangle[at];
     list->pixel[i] = pixel, t->out->wanted[pixel] = t->wanted, t->out->share[i] = rays;
 }
 
 /* Some of the group, spread over it. */
 DAFT_INLINE void take_group(taking *t, const group *g, bool has_own)
 {
-    const uint32_t count = (uint32_t)__builtin_popcount(g->rays), some = (count + SPOKEN - 1) / SPOKEN,
+    const uint32_t spoken = SPOKEN[t->level];
+    const uint32_t count = (uint32_t)__builtin_popcount(g->rays), some = (count + spoken - 1) / spoken,
                    fresh = some - has_own;
     const float share = (float)count / (float)some;
     if (has_own) t->out->own[t->wanted] = share;
@@ -82,7 +87,7 @@ DAFT_INLINE void take_group(taking *t, const group *g, bool has_own)
     for (uint32_t i = 0; i < fresh; i++) {
         const uint32_t next = (i * count + count / 2) / fresh;
         for (; passed < next; passed++) left &= left - 1;
-        shade(t, (uint32_t)__builtin_ctz(left), share);
+        shade(t, ORDER[__builtin_ctz(left)], share);
     }
 }
 
@@ -91,9 +96,7 @@ static void take_outline(taking *t, const seen_row *seen, int x, uint32_t own)
     uint32_t id[RAYS];
     group groups[RAYS];
     int bits = 0;
-    for (int grid = 0; grid < DAFT_EDGE_GRIDS; grid++)
-        for (int cell = 0; cell < 4; cell++)
-            id[cell * DAFT_EDGE_GRIDS + grid] = seen->id[cell / 2][grid][2 * x + cell % 2];
+    for (int i = 0; i < RAYS; i++) id[i] = seen->id[ORDER[i] / SCALE][SCALE * x + ORDER[i] % SCALE];
     uint32_t count = group_rays(id, groups);
     if (count > TRIANGLES) {
         bits = DAFT_ID_INSTANCE;
@@ -104,14 +107,10 @@ static void take_outline(taking *t, const seen_row *seen, int x, uint32_t own)
     for (uint32_t k = 0; k < count; k++) take_group(t, &groups[k], groups[k].id == own >> bits);
 }
 
-/* One ray of each grid, or the one across from it, too. */
-static void take_inner(taking *t, bool strong)
+static void take_inner(taking *t)
 {
     t->out->own[t->wanted] = 1;
-    for (uint32_t grid = 0; grid < DAFT_EDGE_GRIDS; grid++) {
-        shade(t, grid * DAFT_EDGE_GRIDS + grid, 1);
-        if (strong) shade(t, (3 - grid) * DAFT_EDGE_GRIDS + grid, 1);
-    }
+    for (uint32_t left = DAFT_EDGE_INNER[t->level]; left; left &= left - 1) shade(t, (uint32_t)__builtin_ctz(left), 1);
 }
 
 uint32_t DAFT_KERNEL(daft_take_edges)(const daft_edge_part *part, int y, uint32_t pixels, daft_edge_rays *out)
@@ -122,11 +121,12 @@ uint32_t DAFT_KERNEL(daft_take_edges)(const daft_edge_part *part, int y, uint32_
     if (pixels << part->left & edges->outline[py]) see_row(part, y, &seen);
     for (; pixels && out->list->count <= DAFT_BATCH - RAYS; pixels &= pixels - 1) {
         const int x = __builtin_ctz(pixels), px = part->left + x;
-        taking t = {part, out, (uint32_t)(2 * y * DAFT_TILE_STRIDE + 2 * x), (uint32_t)(py * DAFT_TILE + px)};
+        taking t = {part, out, (uint32_t)(SCALE * (y * DAFT_TILE_STRIDE + x)), (uint32_t)(py * DAFT_TILE + px),
+                    daft_edge_level(edges, px, py)};
         if (edges->outline[py] >> px & 1)
             take_outline(&t, &seen, x, part->id[py * part->id_stride + px]);
         else
-            take_inner(&t, edges->strong[py] >> px & 1);
+            take_inner(&t);
     }
     return pixels;
 }

@@ -175,10 +175,10 @@ static void count_work(daft_frame *frame)
             frame->listed * ((uint32_t)frame->snapshot->quality.samples + (frame->edge_scale ? 1 : 0));
 }
 
-/* Scaled coordinates of pixels are below 2^14, so very large pictures have no grids. */
+/* Scaled coordinates of pixels are below 2^15, so very large pictures have no grids. */
 static int edge_scale_of(const daft_snapshot *s)
 {
-    const bool grid = s->quality.edge_samples == 16 && daft_max_i(s->width, s->height) <= 16384 / 2;
+    const bool grid = s->quality.edge_samples == 16 && daft_max_i(s->width, s->height) <= 32768 / 4;
     return grid ? 2 : s->quality.edge_samples ? 1 : 0;
 }
 

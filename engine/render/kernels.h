@@ -98,7 +98,7 @@ static inline uint32_t daft_pixel_id(uint32_t instance, uint32_t triangle)
  * triangle, instance, or the sky; with one that sees the same triangle or sphere in another light; and the latter by
  * more. */
 typedef struct daft_edges {
-    uint32_t outline[DAFT_TILE], inner[DAFT_TILE], strong[DAFT_TILE];
+    uint32_t outline[DAFT_TILE], inner[DAFT_TILE], strong[DAFT_TILE], stark[DAFT_TILE];
     bool sky; /* no pixel of the tile sees anything else */
 } daft_edges;
 /* Corners of a tile's pixels, bit x of row y: the upper left one of pixel (x, y) and, where pixels are mixed with their
@@ -116,9 +116,9 @@ typedef struct daft_mixed {
 } daft_mixed;
 
 /* By more than so many steps of a colour's byte, up to 8191: if another instance is seen, another triangle of the same,
- * or the same triangle; strong: above which the latter differs by much, inner or more. */
+ * or the same triangle; above which pixels differ by much, and by very much: no less. */
 typedef struct daft_contrast {
-    int outline, crease, inner, strong;
+    int outline, crease, inner, strong, stark;
 } daft_contrast;
 
 /* Planes of a picture, to be filtered: a float for each pixel, from row to row `stride` of them; sixteen columns on
@@ -160,16 +160,24 @@ typedef struct daft_seen_list {
     uint32_t instance[DAFT_BATCH], triangle[DAFT_BATCH], pixel[DAFT_BATCH];
 } daft_seen_list;
 
-/* Part of a tile, as refined: four grids of two by two rays to each of its pixels. */
-enum { DAFT_EDGE_GRIDS = 4, DAFT_EDGE_SCALE = 2 };
+/* Part of a tile, as refined: each of its pixels has a grid of so many rays a side, turned so that each lies in a row
+ * and a column of its own (daft_pencil.turn). */
+enum { DAFT_EDGE_SCALE = 4, DAFT_EDGE_RAYS = DAFT_EDGE_SCALE * DAFT_EDGE_SCALE };
+/* The rays, bit x + 4·y, that are shaded of a pixel without an outline, by how much changes there. */
+static const uint16_t DAFT_EDGE_INNER[] = {0x4182, 0xa5a5, 0xffff};
 typedef struct daft_edge_part {
-    const daft_tile *grids;                       /* what their rays see */
-    float x[DAFT_EDGE_GRIDS], y[DAFT_EDGE_GRIDS]; /* where their first rays go */
-    int left, top;                                /* the part's first pixel in the tile */
+    const daft_tile *rays; /* what they see */
+    float x, y;            /* where the first one goes, before it is turned */
+    int left, top;         /* the part's first pixel in the tile */
     const daft_edges *edges;
     const uint32_t *id; /* what the first samples of the tile's pixels saw */
     ptrdiff_t id_stride;
 } daft_edge_part;
+/* How much changes at a pixel. */
+static inline int daft_edge_level(const daft_edges *edges, int x, int y)
+{
+    return (int)(edges->strong[y] >> x & 1) + (int)(edges->stark[y] >> x & 1);
+}
 
 /* The rays that are shaded; by their own places in a batch, those of their pixels in the tile; in the list's order, for
  * how many rays each speaks; and, by the pixels' places, for how many their first samples do. */

@@ -144,14 +144,14 @@ typedef struct window_rows {
 
 DAFT_INLINE window_rows rows_of(const daft_tile_job *j, const planes *p, int y)
 {
-    vf dy = vf_set(j->top - (float)y) - vf_row();
+    vf dy = vf_set(j->top - (float)y) - vf_load(j->down);
     return (window_rows){{p->ny[0] * dy + p->nz[0], p->ny[1] * dy + p->nz[1], p->ny[2] * dy + p->nz[2]},
                          p->wy * dy + p->wz};
 }
 
 DAFT_INLINE void draw_window(daft_tile_job *j, const planes *p, const window_rows *r, int x, int y, const primitive *t)
 {
-    vf dx = vf_load(j->dx[x / DAFT_WINDOW_W]);
+    vf dx = vf_load(j->dx[y & j->rows][x / DAFT_WINDOW_W]);
     vf min = vf_min(vf_min(p->nx[0] * dx + r->e[0], p->nx[1] * dx + r->e[1]), p->nx[2] * dx + r->e[2]);
     vbits hits = vbits_from_mask(vf_le(p->outer, min));
     vf w = vf_min(p->wx * dx + r->w, p->cap);
@@ -176,7 +176,8 @@ static void find_windows(const daft_tile_job *j, const daft_pencil_batch *b, int
     for (int k = 0; k < 3; k++) {
         float x = fabsf(b->nx[k][i]), y = fabsf(b->ny[k][i]), z = b->nz[k][i];
         nx[k] = vf_set(b->nx[k][i]), ny[k] = vf_set(b->ny[k][i]);
-        max[k] = vf_set(z + x * half_w + y * half_h + 8 * UNIT * (x * j->max_dx + y * j->max_dy + fabsf(z)));
+        max[k] = vf_set(z + x * (half_w + j->spread) + y * (half_h + j->spread) +
+                        8 * UNIT * (x * j->max_dx + y * j->max_dy + fabsf(z)));
     }
     for (int k = 0; k < WINDOW_WORDS; k++) bits[k] = 0;
     for (uint32_t q = 0; q < count; q += DAFT_VL) {
@@ -339,7 +340,8 @@ static vbits spans_setup(const daft_tile_job *j, const daft_pencil_batch *b, vbi
         vf max = vf_if_then_else(vm_and(known, vm_not(below)), at + vf_set(SPAN_SLACK), vf_set(INFINITY));
         slope = vf_if_then_else(known, slope, vf_set(0));
         from = vf_max(from, min + slope * middle), to = vf_min(to, max + slope * middle);
-        vf_store(s->low[k], min), vf_store(s->high[k], max), vf_store(s->slope[k], slope);
+        const vf aside = vf_set(j->spread) * (vf_set(1) + vf_abs(slope));
+        vf_store(s->low[k], min - aside), vf_store(s->high[k], max + aside), vf_store(s->slope[k], slope);
     }
     vi_store(s->last_row, last_row), vf_store(s->last, last);
     vi_store(s->place, y0 * stride + x0), vi_store(s->row_step, vi_if_then_else(flat, one, stride)),
@@ -371,6 +373,8 @@ DAFT_INLINE uint32_t spans_list(const spans *s, int i, uint32_t *list)
     return count;
 }
 
+DAFT_INLINE vf turned(vi place) { return vf_convert_to(place & vi_set(3)) - vf_set(1.5f); }
+
 /* The rays of such pixels, each against its own triangle. */
 static void draw_listed(daft_tile_job *j, const daft_pencil_batch *b, const uint32_t *list, uint32_t count)
 {
@@ -381,8 +385,9 @@ static void draw_listed(daft_tile_job *j, const daft_pencil_batch *b, const uint
         vbits lanes = vbits_first_n((int)(count - i));
         vi listed = vi_if_then_else(vm_from_bits(lanes), vi_load(&list[i]), vi_set(0));
         vi lane = listed >> 16, place = listed & vi_set(0xffff), y = place >> __builtin_ctz(DAFT_TILE_STRIDE);
-        vf dx = vf_set(j->left) + vf_convert_to(place & vi_set(DAFT_TILE_STRIDE - 1)),
-           dy = vf_set(j->top) - vf_convert_to(y), min = vf_set(INFINITY);
+        vi x = place & vi_set(DAFT_TILE_STRIDE - 1);
+        vf turn = vf_set(j->pencil.turn), dx = vf_set(j->left) + vf_convert_to(x) + turned(y) * turn,
+           dy = vf_set(j->top) - vf_convert_to(y) + turned(x) * turn, min = vf_set(INFINITY);
         for (int k = 0; k < 3; k++)
             min = vf_min(vf_table_lookup(b->nx[k], lane) * dx +
                              (vf_table_lookup(b->ny[k], lane) * dy + vf_table_lookup(b->nz[k], lane)),
@@ -484,9 +489,9 @@ void DAFT_KERNEL(daft_sphere_draw)(daft_tile_job *j, const daft_view_instance *v
     vf inf = vf_set(INFINITY), tiny = vf_set(TINY);
     x0 &= -DAFT_WINDOW_W;
     for (int y = y0; y <= y1; y += DAFT_WINDOW_H) {
-        vf dy = vf_set(j->top - (float)y) - vf_row();
+        vf dy = vf_set(j->top - (float)y) - vf_load(j->down);
         for (int x = x0; x <= x1; x += DAFT_WINDOW_W) {
-            vf dx = vf_load(j->dx[x / DAFT_WINDOW_W]);
+            vf dx = vf_load(j->dx[y & j->rows][x / DAFT_WINDOW_W]);
             vf inverse = one / (dx * dx + dy * dy + vfocal * vfocal),
                along = (dx * vx + dy * vy + vfocal * vz) * inverse;
             vf ax = vx - dx * along, ay = vy - dy * along, az = vz - vfocal * along;

@@ -42,10 +42,13 @@ typedef struct daft_tile_job {
     float left, top;      /* ray of the tile's first pixel */
     float last_x, last_y; /* its last column and row in the picture */
     float max_dx, max_dy; /* of any ray in the tile */
+    float spread, slack;  /* pixels that rays lie from their pixels' places; this and DAFT_SCREEN_SLACK */
     bool exact;
     bool clips;    /* the raster has a plane: */
     float clip[4]; /* its normal, and how far along it what is seen of the running instance begins */
-    _Alignas(64) float dx[DAFT_TILE / DAFT_WINDOW_W][DAFT_VL]; /* of the rays of windows, by column */
+    _Alignas(64) float dx[4][DAFT_TILE / DAFT_WINDOW_W][DAFT_VL]; /* of the rays of windows, by row and column */
+    int rows;                                                     /* y & rows: which of them */
+    _Alignas(64) float down[DAFT_VL];                             /* of a window's rays, from its first row */
     /* Every pixel's w in the cell is at least this; stale, by rows of cells: some pixel has come nearer since it was
      * found. */
     _Alignas(64) float farthest[DAFT_CELLS_X][DAFT_CELLS_X];
@@ -174,7 +177,7 @@ DAFT_INLINE void queue_add(daft_queue *out, const vf3 corner[3], vi pixels, vf n
     out->count += (uint32_t)__builtin_popcount(some);
 }
 
-/* A screen box is widened by this many pixels: over the error of three roundings of coordinates up to 2^13. */
+/* A screen box is widened by this many pixels: over the error of three roundings of coordinates up to 2^14. */
 #define DAFT_SCREEN_SLACK 0.004f
 #endif
 

@@ -106,11 +106,11 @@ static void draw_blocks(walk *w)
 
 /* The pixels of boxes along one axis; gives the lanes that have any. Boxes that reach behind the camera are out where
  * all that is in front of it lies beside the tile. */
-DAFT_INLINE vbits box_span(vf_range at, const node_depths *z, float last, vi *first, vi *end)
+DAFT_INLINE vbits box_span(vf_range at, const node_depths *z, float last, float widen, vi *first, vi *end)
 {
-    vbits beside = node_beside(at, z, -DAFT_SCREEN_SLACK, last + DAFT_SCREEN_SLACK);
+    vbits beside = node_beside(at, z, -widen, last + widen);
     vf_range over = node_slopes(at, z);
-    vf zero = vf_set(0), slack = vf_set(DAFT_SCREEN_SLACK), end_of_all = vf_set(last);
+    vf zero = vf_set(0), slack = vf_set(widen), end_of_all = vf_set(last);
     vf a = over.low - slack, b = over.high + slack;
     a = vf_max(vf_if_then_else(z->front, a, zero), zero),
     b = vf_min(vf_if_then_else(z->front, b, end_of_all), end_of_all);
@@ -187,8 +187,8 @@ DAFT_INLINE boxes children(const walk *w, const node_pair *n)
     vi x0, x1, y0, y1, child = child_load(n);
     vf_range along = node_axis(&w->map, 2, n);
     node_depths z = node_depths_of(along.low, along.high);
-    vbits x = box_span(node_axis(&w->map, 0, n), &z, w->job->last_x, &x0, &x1);
-    vbits y = box_span(node_axis(&w->map, 1, n), &z, w->job->last_y, &y0, &y1);
+    vbits x = box_span(node_axis(&w->map, 0, n), &z, w->job->last_x, w->job->slack, &x0, &x1);
+    vbits y = box_span(node_axis(&w->map, 1, n), &z, w->job->last_y, w->job->slack, &y0, &y1);
     vbits out =
         vbits_from_mask(vf_le(z.far, vf_set(0))) | vbits_from_mask(vi_eq(child, vi_set((int32_t)DAFT_CHILD_NONE)));
     if (w->job->clips) out |= vbits_from_mask(vf_le(node_axis(&w->clip, 0, n).high, vf_set(w->job->clip[3])));

@@ -26,10 +26,10 @@ typedef struct lanes {
 } lanes;
 
 /* The whole numbers within low..high, clamped to 0..last. */
-DAFT_INLINE vm pixel_span(vf low, vf high, float last, vf *first, vf *end)
+DAFT_INLINE vm pixel_span(vf low, vf high, float last, float slack, vf *first, vf *end)
 {
     vf zero = vf_set(0), one = vf_set(1);
-    vf a = vf_max(low - vf_set(DAFT_SCREEN_SLACK), zero), b = vf_min(high + vf_set(DAFT_SCREEN_SLACK), vf_set(last));
+    vf a = vf_max(low - vf_set(slack), zero), b = vf_min(high + vf_set(slack), vf_set(last));
     vf floor_a = vf_convert_to(vi_convert_to(a)); /* a >= 0; NaN was turned to 0 by vf_max */
     *first = floor_a + vf_if_then_else(vf_lt(floor_a, a), one, zero);
     *end = vf_convert_to(vi_convert_to(b));
@@ -51,8 +51,8 @@ DAFT_INLINE void project(const daft_tile_job *job, const daft_view_instance *vie
        x1 = vf_if_then_else(front, e.high_x - left, vf_set(job->last_x));
     vf y0 = vf_if_then_else(front, top - e.high_y, zero),
        y1 = vf_if_then_else(front, top - e.low_y, vf_set(job->last_y));
-    some = vm_and(some, pixel_span(x0, x1, job->last_x, &l->x0, &l->x1));
-    some = vm_and(some, pixel_span(y0, y1, job->last_y, &l->y0, &l->y1));
+    some = vm_and(some, pixel_span(x0, x1, job->last_x, job->slack, &l->x0, &l->x1));
+    some = vm_and(some, pixel_span(y0, y1, job->last_y, job->slack, &l->y0, &l->y1));
     l->nearest = vf_if_then_else(front, vf_set(1 + 4 * UNIT) / near, vf_set(INFINITY));
     l->some = vbits_from_mask(some);
     if (job->clips) l->some &= ~clipped(job->clip, l->corners.p);
@@ -113,8 +113,9 @@ DAFT_INLINE void edges_setup(const daft_tile_job *job, bool exact, daft_pencil_b
     for (int k = 0; k < 3; k++) e[k] = edge_plane(&l->corners, k, false);
     vi sign = facing(exact, e, l, live);
     vf dx = vf_set(job->max_dx), dy = vf_set(job->max_dy), dz = vf_set(job->pencil.focal), inf = vf_set(INFINITY);
-    vf x0 = vf_set(job->left) + l->x0, x1 = vf_set(job->left) + l->x1, y0 = vf_set(job->top) - l->y1,
-       y1 = vf_set(job->top) - l->y0;
+    const float spread = job->spread;
+    vf x0 = vf_set(job->left - spread) + l->x0, x1 = vf_set(job->left + spread) + l->x1,
+       y0 = vf_set(job->top - spread) - l->y1, y1 = vf_set(job->top + spread) - l->y0;
     vf outer = vf_set(exact ? -1.0f : 0.0f), hopeless = vf_set(exact ? 0.0f : -1.0f), zero = vf_set(0);
     vbits out = 0;
     for (int k = 0; k < 3; k++) {

@@ -8,8 +8,9 @@
  * x once, the difference with the tile's place once more, so that x is off by less than 2u·R with R = the largest x or
  * y of a ray in the tile plus 64 plus twice the triangle's extent (its width and height together). An edge function
  * about a pixel within its box, e0 = x1·y2 - y1·x2 and so on, is then off by less than D = 5u·R·extent: 4u·R·extent
- * from corners, 3u of each product from its own roundings. Beyond D the sign is sure. The three make up twice the area,
- * so that its sign is sure beyond 4D; where it is not, some edge function is within 2D of 0.
+ * from corners, 3u of each product from its own roundings. Where rays lie beside their pixels' places, up to twice as
+ * far beside the box, twice that on either side is added to the extent in D. Beyond D the sign is sure. The three make
+ * up twice the area, so that its sign is sure beyond 4D; where it is not, some edge function is within 2D of 0.
  *
  * Depth: the pixel is the mean of the corners, weighted by the edge functions, and so is 1/z. With weights that are off
  * by D, and their sum by as much again, the mean is off by less than 4D·(the largest 1/z - the least)/sum, and by 16u
@@ -19,9 +20,9 @@
 
 /* The pixels within low..high and the slack, or but for a part in 2^12 there; none: end is below first, which is no
  * larger than `most`. */
-DAFT_INLINE void pixel_range(vf low, vf high, float last, float max, vi *first, vi *end)
+DAFT_INLINE void pixel_range(vf low, vf high, float last, float max, float widen, vi *first, vi *end)
 {
-    vf slack = vf_set(DAFT_SCREEN_SLACK), up = vf_set(1 - 0x1p-12f - DAFT_SCREEN_SLACK);
+    vf slack = vf_set(widen), up = vf_set(1 - 0x1p-12f - widen);
     *first = vi_convert_to(vf_min(vf_max(low + up, vf_set(0)), vf_set(max)));
     *end = vi_convert_to(vf_min(high + slack, vf_set(last)));
 }
@@ -37,7 +38,7 @@ DAFT_INLINE void edges_at(const vf a[3], const vf b[3], vf e[3])
 /* An instance as a tile sees it: copied, since what is stored might be in its place as far as a compiler knows. */
 typedef struct lens {
     daft_affine map;
-    float focal, left, top, last_x, last_y, reach;
+    float focal, left, top, last_x, last_y, reach, slack;
     bool closely; /* no triangle counts as small */
     bool clips;
     float clip[4];
@@ -46,8 +47,8 @@ typedef struct lens {
 DAFT_INLINE lens lens_of(const daft_tile_job *job, const daft_view_instance *view)
 {
     bool closely = job->pencil.intersection == DAFT_INTERSECT_WATERTIGHT;
-    lens v = {view->to_view, job->pencil.focal,    job->left, job->top,   job->last_x,
-              job->last_y,   daft_tile_reach(job), closely,   job->clips, {0}};
+    lens v = {view->to_view,        job->pencil.focal, job->left, job->top,   job->last_x, job->last_y,
+              daft_tile_reach(job), job->slack,        closely,   job->clips, {0}};
     if (v.clips) memcpy(v.clip, job->clip, sizeof v.clip);
     return v;
 }
@@ -92,8 +93,8 @@ DAFT_INLINE vbits may_be_seen(const lens *v, const spot at[3], const vf3 *corner
     low_y = vf_if_then_else(front, low_y, zero), high_y = vf_if_then_else(front, high_y, vf_set(DAFT_TILE));
     vbits out = ~vbits_from_mask(vf_lt(zero, max));
     *little &= vbits_from_mask(front);
-    pixel_range(low_x, high_x, v->last_x, 2 * DAFT_TILE, &b->x0, &b->x1);
-    pixel_range(low_y, high_y, v->last_y, 2 * DAFT_TILE, &b->y0, &b->y1);
+    pixel_range(low_x, high_x, v->last_x, 2 * DAFT_TILE, v->slack, &b->x0, &b->x1);
+    pixel_range(low_y, high_y, v->last_y, 2 * DAFT_TILE, v->slack, &b->y0, &b->y1);
     *little &= vbits_from_mask(vi_lt((b->x1 - b->x0) | (b->y1 - b->y0), vi_set(2)));
     return DAFT_ALL_LANES & ~(out | vbits_from_mask(vi_lt(b->x1, b->x0)) | vbits_from_mask(vi_lt(b->y1, b->y0)));
 }
@@ -150,10 +151,11 @@ void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_view_
 
 /* ---- pixels ---- */
 
-/* Small triangles: a and b are x and y of corners less those of the first column and row, and of the next ones, y with
- * the sign that makes edge functions positive inside; w = base + (e1·slope1 + e2·slope2). */
+/* Small triangles: x and y of corners less those of the first column and row; the sign that makes edge functions
+ * positive inside; w = base + (e1·slope1 + e2·slope2). */
 typedef struct small {
-    vf a[2][3], b[2][3], doubt;
+    vf x[3], y[3], doubt;
+    vi sign;
     vf base, slope[2];
     vf min, max, error; /* of w; only where floats are to be sure */
 } small;
@@ -168,10 +170,23 @@ typedef struct coverage {
     vbits lanes[BATCHES][PIXELS], unsure[BATCHES][PIXELS];
 } coverage;
 
-DAFT_INLINE void cover_pixel(bool exact, const small *s, int pixel, vbits lanes, coverage *c, uint32_t i)
+/* Where a pixel's ray lies from the place of the first one, y downwards; x0 and y0: that one's column and row. */
+DAFT_INLINE void ray_from_first(bool turned, float turn, int pixel, vi x0, vi y0, vf *x, vf *y)
 {
-    vf e[3];
-    edges_at(s->a[pixel & 1], s->b[pixel >> 1], e);
+    const int right = pixel & 1, below = pixel >> 1;
+    *x = vf_set((float)right), *y = vf_set((float)below);
+    if (!turned) return;
+    const vi four = vi_set(3);
+    const vf middle = vf_set(1.5f), by = vf_set(turn);
+    *x += (vf_convert_to((y0 + vi_set(below)) & four) - middle) * by;
+    *y -= (vf_convert_to((x0 + vi_set(right)) & four) - middle) * by;
+}
+
+DAFT_INLINE void cover_pixel(bool exact, const small *s, vf x, vf y, int pixel, vbits lanes, coverage *c, uint32_t i)
+{
+    vf e[3], a[3], b[3];
+    for (int k = 0; k < 3; k++) a[k] = s->x[k] - x, b[k] = vf_xor(s->y[k] - y, s->sign);
+    edges_at(a, b, e);
     vf inner = vf_min(vf_min(e[0], e[1]), e[2]), w = s->base + (e[1] * s->slope[0] + e[2] * s->slope[1]), low = w;
     if (exact) {
         lanes &= vbits_from_mask(vf_le(vf_set(-2.25f) * s->doubt, inner));
@@ -188,16 +203,11 @@ DAFT_INLINE void cover_pixel(bool exact, const small *s, int pixel, vbits lanes,
 DAFT_INLINE void small_setup(const daft_tile_job *job, bool exact, const vf x[3], const vf y[3], const vf scale[3],
                              vi x0, vi y0, small *s)
 {
-    vf px = vf_convert_to(x0), py = vf_convert_to(y0), one = vf_set(1), e[3],
-       over_focal = vf_set(1 / job->pencil.focal);
-    for (int k = 0; k < 3; k++) s->a[0][k] = x[k] - px, s->b[0][k] = y[k] - py;
-    edges_at(s->a[0], s->b[0], e);
+    vf px = vf_convert_to(x0), py = vf_convert_to(y0), e[3], over_focal = vf_set(1 / job->pencil.focal);
+    for (int k = 0; k < 3; k++) s->x[k] = x[k] - px, s->y[k] = y[k] - py;
+    edges_at(s->x, s->y, e);
     vf area = e[0] + e[1] + e[2];
-    vi sign = (vi)area & vi_set(INT32_MIN);
-    for (int k = 0; k < 3; k++) {
-        s->a[1][k] = s->a[0][k] - one, s->b[1][k] = vf_xor(s->b[0][k] - one, sign);
-        s->b[0][k] = vf_xor(s->b[0][k], sign);
-    }
+    s->sign = (vi)area & vi_set(INT32_MIN);
     vf inverse = over_focal / vf_abs(area);
     s->base = scale[0] * over_focal, s->slope[0] = (scale[1] - scale[0]) * inverse,
     s->slope[1] = (scale[2] - scale[0]) * inverse;
@@ -205,33 +215,35 @@ DAFT_INLINE void small_setup(const daft_tile_job *job, bool exact, const vf x[3]
     vf extent = vf_max(vf_max(x[0], x[1]), x[2]) - vf_min(vf_min(x[0], x[1]), x[2]);
     extent += vf_max(vf_max(y[0], y[1]), y[2]) - vf_min(vf_min(y[0], y[1]), y[2]);
     vf min = vf_min(vf_min(scale[0], scale[1]), scale[2]), max = vf_max(vf_max(scale[0], scale[1]), scale[2]);
-    s->doubt = doubt_of(daft_tile_reach(job), extent, 1);
+    s->doubt = doubt_of(daft_tile_reach(job), extent + vf_set(4.25f * job->spread), 1);
     s->error = vf_set(4) * s->doubt * (max - min) * inverse + vf_set(16 * UNIT) * max * over_focal;
     s->min = min * over_focal * vf_set(1 - 16 * UNIT), s->max = max * over_focal * vf_set(1 + 16 * UNIT);
 }
 
 /* Register i: the triangles from one on. */
-DAFT_INLINE void cover(const daft_tile_job *job, bool exact, const daft_small *from, uint32_t at, coverage *c,
-                       uint32_t i)
+DAFT_INLINE void cover(const daft_tile_job *job, bool exact, bool turned, const daft_small *from, uint32_t at,
+                       coverage *c, uint32_t i)
 {
     vf x[3], y[3], scale[3];
     box b;
     small s;
     for (int k = 0; k < 3; k++)
         x[k] = vf_load(&from->x[k][at]), y[k] = vf_load(&from->y[k][at]), scale[k] = vf_load(&from->scale[k][at]);
-    pixel_range(vf_min(vf_min(x[0], x[1]), x[2]), vf_max(vf_max(x[0], x[1]), x[2]), job->last_x, job->last_x, &b.x0,
-                &b.x1);
-    pixel_range(vf_min(vf_min(y[0], y[1]), y[2]), vf_max(vf_max(y[0], y[1]), y[2]), job->last_y, job->last_y, &b.y0,
-                &b.y1);
+    pixel_range(vf_min(vf_min(x[0], x[1]), x[2]), vf_max(vf_max(x[0], x[1]), x[2]), job->last_x, job->last_x,
+                job->slack, &b.x0, &b.x1);
+    pixel_range(vf_min(vf_min(y[0], y[1]), y[2]), vf_max(vf_max(y[0], y[1]), y[2]), job->last_y, job->last_y,
+                job->slack, &b.y0, &b.y1);
     vbits lanes = vbits_first_n((int)(from->count - at)), right = vbits_from_mask(vi_lt(b.x0, b.x1)),
           below = vbits_from_mask(vi_lt(b.y0, b.y1));
     small_setup(job, exact, x, y, scale, b.x0, b.y0, &s);
     if (!exact) lanes &= vbits_from_mask(vf_lt(vf_abs(s.slope[0]) + vf_abs(s.slope[1]), vf_set(INFINITY)));
     vi_store(c->place[i], b.y0 * DAFT_TILE_STRIDE + b.x0 + ((vi_iota() + vi_set((int32_t)at)) << DAFT_HIT_TRIANGLE));
-    cover_pixel(exact, &s, 0, lanes, c, i);
-    cover_pixel(exact, &s, 1, lanes & right, c, i);
-    cover_pixel(exact, &s, 2, lanes & below, c, i);
-    cover_pixel(exact, &s, 3, lanes & right & below, c, i);
+    const vbits of[PIXELS] = {lanes, lanes & right, lanes & below, lanes & right & below};
+    for (int pixel = 0; pixel < PIXELS; pixel++) {
+        vf dx, dy;
+        ray_from_first(turned, job->pencil.turn, pixel, b.x0, b.y0, &dx, &dy);
+        cover_pixel(exact, &s, dx, dy, pixel, of[pixel], c, i);
+    }
 }
 
 /* The numbers of their corners are on their way from memory from now on. */
@@ -258,13 +270,13 @@ DAFT_INLINE uint32_t add_hits(bool exact, const coverage *c, uint32_t i, int pix
     return n + (uint32_t)__builtin_popcount(lanes);
 }
 
-DAFT_INLINE void find_hits(const daft_tile_job *job, bool exact, const daft_small *from, daft_hits *out)
+DAFT_INLINE void find_hits(const daft_tile_job *job, bool exact, bool turned, const daft_small *from, daft_hits *out)
 {
     coverage c;
     uint32_t n = out->count;
     for (uint32_t first = 0; first < from->count; first += BATCHES * DAFT_VL) {
         uint32_t count = daft_min_u((from->count - first + DAFT_VL - 1) / DAFT_VL, BATCHES);
-        for (uint32_t i = 0; i < count; i++) cover(job, exact, from, first + i * DAFT_VL, &c, i);
+        for (uint32_t i = 0; i < count; i++) cover(job, exact, turned, from, first + i * DAFT_VL, &c, i);
         for (uint32_t i = 0; i < count; i++) {
             for (int pixel = 0; pixel < PIXELS; pixel++) n = add_hits(exact, &c, i, pixel, n, out);
             vbits unsure = exact ? c.unsure[i][0] | c.unsure[i][1] | c.unsure[i][2] | c.unsure[i][3] : 0;
@@ -277,8 +289,13 @@ DAFT_INLINE void find_hits(const daft_tile_job *job, bool exact, const daft_smal
 void DAFT_KERNEL(daft_small_hits)(const daft_tile_job *job, const daft_small *from, daft_hits *out)
 {
     job->counters->binned += from->count;
-    if (job->exact)
-        find_hits(job, true, from, out);
+    const bool turned = job->pencil.turn != 0;
+    if (job->exact && !turned)
+        find_hits(job, true, false, from, out);
+    else if (job->exact)
+        find_hits(job, true, true, from, out);
+    else if (!turned)
+        find_hits(job, false, false, from, out);
     else
-        find_hits(job, false, from, out);
+        find_hits(job, false, true, from, out);
 }

@@ -127,15 +127,23 @@ static void job_begin(daft_tile_job *j, const daft_raster *raster, const daft_ti
 {
     j->raster = raster, j->scale = part ? part->scale : 1, j->pencil = daft_part_pencil(&raster->pencil, part),
     j->counters = counters, j->tile = tile;
+    const float turn = j->pencil.turn;
+    j->spread = 1.5f * turn, j->slack = DAFT_SCREEN_SLACK + j->spread;
     daft_vec3 first = daft_pencil_ray(&j->pencil, tile->x, tile->y);
-    j->left = first.x, j->top = first.y;
+    j->left = first.x + j->spread, j->top = first.y + j->spread; /* tiles begin at multiples of four */
     j->last_x = (float)(tile->width - 1), j->last_y = (float)(tile->height - 1);
-    j->max_dx = fmaxf(fabsf(first.x), fabsf(first.x + j->last_x + 3));
-    j->max_dy = fmaxf(fabsf(first.y), fabsf(first.y - j->last_y - 3));
+    j->max_dx = fmaxf(fabsf(j->left), fabsf(j->left + j->last_x + 3)) + j->spread;
+    j->max_dy = fmaxf(fabsf(j->top), fabsf(j->top - j->last_y - 3)) + j->spread;
     j->exact = raster->pencil.intersection == DAFT_INTERSECT_EXACT;
     j->clips = raster->clip.some;
-    for (int x = 0; x < DAFT_TILE; x += DAFT_WINDOW_W)
-        vf_store(j->dx[x / DAFT_WINDOW_W], vf_set(j->left + (float)x) + vf_column());
+    const vf middle = vf_set(1.5f), by = vf_set(turn);
+    vf_store(j->down, vf_row() - (vf_column() - middle) * by);
+    for (int y = 0; y < (turn != 0 ? 4 : 1); y++) {
+        const vf row = vf_convert_to((vi_set(y) + (vi_iota() >> 2)) & vi_set(3));
+        for (int x = 0; x < DAFT_TILE; x += DAFT_WINDOW_W)
+            vf_store(j->dx[y][x / DAFT_WINDOW_W], vf_set(j->left + (float)x) + vf_column() + (row - middle) * by);
+    }
+    j->rows = turn != 0 ? 3 : 0;
 }
 
 enum { AHEAD = 8 }; /* instances in a tile stand anywhere in memory */

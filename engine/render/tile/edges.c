@@ -1,15 +1,14 @@
 /* Antialiasing where it shows. All tiles have been drawn with one sample a pixel (or as many as the preset says). Then
- * pixels that disagree with a neighbour get up to sixteen more, by the rays of four finer grids, each of two by two
- * rays a pixel and shifted against the others, so that rays lie in eight different rows and columns: an edge along
- * either axis has eight steps. (A grid of four by four would have four: Cook, "Stochastic Sampling in Computer
- * Graphics", TOG 5(1), 1986, on regular patterns.) The tile draws a quarter of each grid at a time: instances stay in
- * their bins, and rays that nobody asks for count as hidden, so that trees are walked for what is left.
+ * pixels that disagree with a neighbour get up to sixteen more, by the rays of a grid four times as fine, turned by
+ * atan(1/4), so that each of a pixel's rays lies in a row and a column of its own: an edge along either axis has
+ * sixteen steps. (Straight, it would have four: Cook, "Stochastic Sampling in Computer Graphics", TOG 5(1), 1986, on
+ * regular patterns.) The tile draws a sixteenth of the grid at a time: instances stay in their bins, and rays that
+ * nobody asks for count as hidden, so that trees are walked for what is left.
  *
  * Beside an outline, where another triangle begins, all rays are asked what they see, which costs a coverage test. Of
- * those that see the same, one in four is shaded and speaks for the others; the pixel's first sample is one of them.
- * Colours of the pixels around would cost less, but are wrong where a shadow, a crease or a mirror image ends at the
- * outline. Elsewhere (a shadow's edge, a mirror image) one ray of each grid is shaded, or two where the difference is
- * large.
+ * those that see the same, one in eight is shaded and speaks for the others, more where more changes; the pixel's first
+ * sample is one of them. Colours of the pixels around would cost less, but are wrong where a shadow, a crease or a
+ * mirror image ends at the outline. Elsewhere (a shadow's edge, a mirror image) four rays are shaded, or eight, or all.
  *
  * Results wait in a picture of their own until no tile looks at its neighbours any more. */
 #include "render/tile/tile.h"
@@ -17,15 +16,13 @@
 #include <string.h>
 
 /* Steps of a byte between neighbours; within a surface of its light alone, since textures are filtered already. */
-static const daft_contrast LIMIT = {.outline = 20, .crease = 20, .inner = 32, .strong = 60};
+static const daft_contrast LIMIT = {.outline = 20, .crease = 20, .inner = 20, .strong = 50, .stark = 100};
 
 enum {
-    GRIDS = DAFT_EDGE_GRIDS,
     SCALE = DAFT_EDGE_SCALE,
     SPAN = DAFT_TILE / SCALE /* pixels a side of a part */
 };
-/* From the middles of the divided pixels, in their size. */
-static const float SHIFT[GRIDS][2] = {{-0.375f, -0.125f}, {-0.125f, 0.375f}, {0.125f, -0.375f}, {0.375f, 0.125f}};
+#define TURN 0.25f
 
 typedef struct refinement {
     tile_job *j;
@@ -33,13 +30,8 @@ typedef struct refinement {
     daft_edges edges;
     daft_tile_part part;
     daft_edge_part rays;
-    daft_pencil pencil[GRIDS];
+    daft_pencil pencil; /* of rays two by two to a pixel: what one in four of sixteen stands for */
 } refinement;
-
-static void shift(daft_tile_part *part, uint32_t grid)
-{
-    part->shift_x = SHIFT[grid][0], part->shift_y = SHIFT[grid][1];
-}
 
 /* Whether the tile and those beside it see nothing but the sky. */
 static bool all_sky(const tile_job *j, uint32_t index)
@@ -77,28 +69,28 @@ static uint32_t pixels_of(const refinement *r, int y)
     return part_of(r, r->edges.outline[py] | r->edges.inner[py]);
 }
 
-/* Every bit becomes the lower one of two. */
+/* Every bit becomes the lowest one of four. */
 static uint32_t spread(uint32_t bits)
 {
-    bits = (bits | bits << 8) & 0x00ff00ff;
-    bits = (bits | bits << 4) & 0x0f0f0f0f;
-    bits = (bits | bits << 2) & 0x33333333;
-    return (bits | bits << 1) & 0x55555555;
+    bits = (bits | bits << 12) & 0x000f000f;
+    bits = (bits | bits << 6) & 0x03030303;
+    return (bits | bits << 3) & 0x11111111;
 }
 
-/* Asks for the rays of one grid: at an outline all four of a pixel; else that of the grid's own number, so that the
- * four lie in different rows and columns, and where much changes that across from it. */
-static void ask(refinement *r, uint32_t grid)
+/* Asks for all rays of pixels at an outline, for some of others. */
+static void ask(refinement *r)
 {
     for (int y = 0; y < SPAN; y++) {
         const int py = r->rays.top + y;
-        const uint32_t outline = part_of(r, r->edges.outline[py]),
-                       inner = part_of(r, r->edges.inner[py] & ~r->edges.outline[py]), all = spread(outline) * 3,
-                       one = spread(inner), two = spread(inner & part_of(r, r->edges.strong[py]));
-        const uint32_t own = grid, across = 3 - grid;
-        uint32_t *row = &r->part.asked[SCALE * y];
-        row[0] = row[1] = all;
-        row[own / SCALE] |= one << own % SCALE, row[across / SCALE] |= two << across % SCALE;
+        const uint32_t outline = part_of(r, r->edges.outline[py]), inner = part_of(r, r->edges.inner[py]),
+                       strong = part_of(r, r->edges.strong[py]), stark = strong & part_of(r, r->edges.stark[py]);
+        const uint32_t of[] = {spread(inner & ~strong), spread(inner & strong & ~stark), spread(inner & stark)};
+        for (int row = 0; row < SCALE; row++) {
+            uint32_t asked = spread(outline) * 15;
+            for (int level = 0; level < (int)DAFT_COUNT_OF(of); level++)
+                asked |= of[level] * (DAFT_EDGE_INNER[level] >> SCALE * row & 15u);
+            r->part.asked[SCALE * y + row] = asked;
+        }
     }
 }
 
@@ -125,7 +117,7 @@ static void shade_fresh(refinement *r)
     const daft_edge_rays rays = fresh_of(s);
     daft_lanes3 *shown = &s->sky_color; /* of no use any more */
     if (!s->fresh.count) return;
-    daft_fresh_shade(r->j, &r->pencil[0]);
+    daft_fresh_shade(r->j, &r->pencil);
     kernels->gather_light(r->j->color, &s->fresh, shown);
     if (daft_tone_changes(tone))
         r->j->r->shade->tone(tone, (const float *const[3]){shown->x, shown->y, shown->z}, s->fresh.count,
@@ -152,15 +144,12 @@ static void refine_part(refinement *r, int number)
     for (int y = 0; y < SPAN; y++) any |= pixels_of(r, y);
     if (!any) return;
     r->j->part = &r->part;
-    for (uint32_t grid = 0; grid < GRIDS; grid++) {
-        daft_tile *tile = &r->j->s->grids[grid];
-        shift(&r->part, grid);
-        ask(r, grid);
-        if (r->j->frame->target->aov.cost) count_rays(r);
-        daft_tile_see(r->j, tile);
-        const daft_vec3 first = daft_pencil_ray(&r->pencil[grid], tile->x, tile->y);
-        r->rays.x[grid] = first.x, r->rays.y[grid] = first.y;
-    }
+    ask(r);
+    if (r->j->frame->target->aov.cost) count_rays(r);
+    daft_tile_see(r->j, &r->j->s->fine);
+    const daft_pencil whole = daft_part_pencil(&r->j->frame->pencil, &(daft_tile_part){.scale = SCALE});
+    const daft_vec3 first = daft_pencil_ray(&whole, r->j->s->fine.x, r->j->s->fine.y);
+    r->rays.x = first.x, r->rays.y = first.y;
     for (int y = 0; y < SPAN; y++) take(r, y);
 }
 
@@ -172,8 +161,9 @@ static void mean_of(const refinement *r, int x, int y, const float own[3], float
 {
     const daft_scratch *s = r->j->s;
     const int at = y * DAFT_TILE + x;
-    const int rays =
-        r->edges.outline[y] >> x & 1 ? GRIDS * SCALE * SCALE : GRIDS * (1 + (int)(r->edges.strong[y] >> x & 1)) + 1;
+    const int rays = r->edges.outline[y] >> x & 1
+                         ? DAFT_EDGE_RAYS
+                         : __builtin_popcount(DAFT_EDGE_INNER[daft_edge_level(&r->edges, x, y)]) + 1;
     const float sum[3] = {s->sum.x[at], s->sum.y[at], s->sum.z[at]}, weight = 1 / (float)rays;
     for (int k = 0; k < 3; k++) light[k] = (sum[k] + own[k] * s->own[at]) * weight;
 }
@@ -205,11 +195,8 @@ void daft_refine_tile(void *context, uint32_t index, uint32_t worker)
     daft_frame *frame = context;
     if (atomic_load_explicit(&frame->cancelled, memory_order_relaxed)) return;
     tile_job j = daft_tile_again(frame, index, worker);
-    refinement r = {.j = &j, .part.scale = SCALE, .rays.grids = j.s->grids};
-    for (uint32_t grid = 0; grid < GRIDS; grid++) {
-        shift(&r.part, grid);
-        r.pencil[grid] = daft_part_pencil(&frame->pencil, &r.part);
-    }
+    refinement r = {.j = &j, .part = {.scale = SCALE, .turn = TURN}, .rays.rays = &j.s->fine};
+    r.pencil = daft_part_pencil(&frame->pencil, &(daft_tile_part){.scale = SCALE / 2});
     if (all_sky(&j, index)) {
         memset(&r.edges, 0, sizeof r.edges);
     } else if (find_edges(&j, &r.around, &r.edges)) {

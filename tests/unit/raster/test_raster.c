@@ -7,8 +7,12 @@
 
 enum { WIDTH = 150, HEIGHT = 97 }; /* neither a multiple of a tile nor of a lane count */
 
+enum { TILES = ((WIDTH + DAFT_TILE - 1) / DAFT_TILE) * ((HEIGHT + DAFT_TILE - 1) / DAFT_TILE) };
+
+/* Of the picture, and of a part of each tile with sixteen turned rays a pixel. */
 typedef struct ids {
     uint32_t instance[WIDTH * HEIGHT], triangle[WIDTH * HEIGHT];
+    uint32_t fine[TILES * DAFT_TILE * DAFT_TILE][2];
 } ids;
 
 typedef struct setting {
@@ -21,7 +25,8 @@ static daft_pencil pencil_make(float yaw, float pitch, float fov)
 {
     double cy = daft_cos((double)yaw), sy = daft_sin((double)yaw), cp = daft_cos((double)pitch),
            sp = daft_sin((double)pitch);
-    daft_pencil p = {.focal = (float)(WIDTH / 2.0 / daft_tan((double)fov / 2)), .width = WIDTH, .height = HEIGHT};
+    daft_pencil p = {
+        .focal = (float)(WIDTH / 2.0 / daft_tan((double)fov / 2)), .width = WIDTH, .height = HEIGHT, .reach = 0.5f};
     p.forward = daft_v3((float)(cp * cy), (float)-sp, (float)(cp * sy));
     p.right = daft_v3((float)-sy, 0, (float)cy);
     p.up = daft_cross(p.right, p.forward);
@@ -35,6 +40,24 @@ static void keep_tile(const daft_tile *tile, ids *out)
             int from = y * DAFT_TILE_STRIDE + x, to = (tile->y + y) * WIDTH + tile->x + x;
             out->instance[to] = tile->instance[from];
             out->triangle[to] = tile->triangle[from];
+        }
+}
+
+/* Parts in turn, of every other tile only some rays. */
+static daft_tile_part part_of(uint32_t tile)
+{
+    daft_tile_part part = {.scale = 4, .number = (int)(tile * 5 % 16), .turn = 0.25f};
+    for (uint32_t y = 0; y < DAFT_TILE; y++)
+        part.asked[y] = tile % 2 ? UINT32_MAX : (tile * DAFT_TILE + y + 1) * 2654435761u;
+    return part;
+}
+
+static void keep_part(const daft_tile *tile, uint32_t number, ids *out)
+{
+    for (int y = 0; y < tile->height; y++)
+        for (int x = 0; x < tile->width; x++) {
+            uint32_t *to = out->fine[(number * DAFT_TILE + (uint32_t)y) * DAFT_TILE + (uint32_t)x];
+            to[0] = tile->instance[y * DAFT_TILE_STRIDE + x], to[1] = tile->triangle[y * DAFT_TILE_STRIDE + x];
         }
 }
 
@@ -58,6 +81,12 @@ static void see(const setting *s, int isa, int workers, ids *out)
         else
             daft_reference_tile(&raster, tlas, i, NULL, tile);
         keep_tile(tile, out);
+        const daft_tile_part part = part_of(i);
+        if (isa >= 0)
+            daft_raster_kernels_for(isa)->tile(&raster, i, i % (uint32_t)workers, &part, tile);
+        else
+            daft_reference_tile(&raster, tlas, i, &part, tile);
+        keep_part(tile, i, out);
     }
     free(tile);
     daft_raster_free(&raster);
@@ -74,7 +103,7 @@ static uint32_t pixels_seen(const ids *a)
 /* Gives how many pixels see something. */
 static uint32_t agree(const setting *s, const char *name)
 {
-    ids *reference = malloc(sizeof *reference), *pencil = malloc(sizeof *pencil);
+    ids *reference = calloc(1, sizeof *reference), *pencil = calloc(1, sizeof *pencil);
     see(s, -1, 1, reference);
     for (int isa = 0; isa <= daft_isa_best(); isa++) {
         for (int workers = 1; workers <= 3; workers += 2) {
@@ -89,6 +118,11 @@ static uint32_t agree(const setting *s, const char *name)
                 fail_msg("%s, %s, %d workers: %d pixels differ, first (%d, %d): reference %u/%u, pencil %u/%u", name,
                          daft_isa_name(isa), workers, wrong, first % WIDTH, first / WIDTH, reference->instance[first],
                          reference->triangle[first], pencil->instance[first], pencil->triangle[first]);
+            for (uint32_t i = 0; i < DAFT_COUNT_OF(reference->fine); i++)
+                if (memcmp(reference->fine[i], pencil->fine[i], sizeof pencil->fine[i]) != 0)
+                    fail_msg("%s, %s, %d workers, the part of tile %u: ray %u, reference %u/%u, pencil %u/%u", name,
+                             daft_isa_name(isa), workers, i / (DAFT_TILE * DAFT_TILE), i % (DAFT_TILE * DAFT_TILE),
+                             reference->fine[i][0], reference->fine[i][1], pencil->fine[i][0], pencil->fine[i][1]);
         }
     }
     uint32_t seen = pixels_seen(reference);

@@ -149,6 +149,39 @@ static void an_outline_is_its_coverage(void **unused)
     stage_drop(&s);
 }
 
+/* Along rows and columns, where regular samples do worst: sixteen steps. */
+static void straight_edges_have_sixteen_steps(void **unused)
+{
+    (void)unused;
+    static uint8_t rgba[4 * PIXELS];
+    stage s;
+    daft_error error = {0};
+    stage_make(&s, NULL);
+    daft_scene_set_ambient(s.scene, (daft_vec3){1, 1, 1});
+    daft_scene_set_sky_color(s.scene, (daft_vec3){0, 0, 0});
+    s.view.quality.edge_samples = 16;
+    daft_material_def white = daft_default_material_def();
+    white.ambient = (daft_vec3){1, 1, 1}, white.diffuse = white.specular = (daft_vec3){0, 0, 0};
+    daft_entity_def box = daft_default_entity_def();
+    box.shape = DAFT_SHAPE_BOX, box.material = daft_material_create(s.scene, &white, NULL);
+    double worst = 0;
+    for (int k = 0; k < 32; k++) {
+        const double part = (k + 0.5) / 32, half = (30 + part) / (WIDTH / 4.0); /* its face is 2 m away */
+        box.size = (daft_vec3){1, (float)(2 * half), (float)(2 * half)};
+        box.position = (daft_dvec3){2.5, 0, 0};
+        const daft_entity made = daft_entity_create(s.scene, &box, &error);
+        if (!made.id) fail_msg("%s", error.message);
+        draw(&s, rgba);
+        const int right = 4 * (HEIGHT / 2 * WIDTH + WIDTH / 2 + 30),
+                  below = 4 * ((HEIGHT / 2 + 30) * WIDTH + WIDTH / 2);
+        worst = fmax(worst, fmax(fabs(linear(rgba[right]) - part), fabs(linear(rgba[below]) - part)));
+        assert_true(daft_entity_destroy(s.scene, made, &error));
+    }
+    print_message("straight edges: off by %.4f at most\n", worst);
+    assert_true(worst < 1.0 / 32 + 1.0 / 128); /* half a step, and that of a byte */
+    stage_drop(&s);
+}
+
 /* Pixels like their neighbours keep their bytes, where textures have the filter already that 16 brings along; where
  * there are no others, nothing runs. */
 static void nothing_else_changes(void **unused)
@@ -336,10 +369,14 @@ static void stops_in_between(void **unused)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(come_close_to_many_samples), cmocka_unit_test(more_samples_come_closer),
-        cmocka_unit_test(an_outline_is_its_coverage), cmocka_unit_test(nothing_else_changes),
-        cmocka_unit_test(textures_are_no_edges),      cmocka_unit_test(textures_are_sharp),
-        cmocka_unit_test(bands_are_the_picture),      cmocka_unit_test(stops_in_between)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(come_close_to_many_samples),
+                                       cmocka_unit_test(more_samples_come_closer),
+                                       cmocka_unit_test(an_outline_is_its_coverage),
+                                       cmocka_unit_test(straight_edges_have_sixteen_steps),
+                                       cmocka_unit_test(nothing_else_changes),
+                                       cmocka_unit_test(textures_are_no_edges),
+                                       cmocka_unit_test(textures_are_sharp),
+                                       cmocka_unit_test(bands_are_the_picture),
+                                       cmocka_unit_test(stops_in_between)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
