@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { BUDGETS = 5, TRIALS = 10, FRAMES = 5, SECONDS = 22, WIDTH = 320, HEIGHT = 180 };
+enum { BUDGETS = 5, TRIALS = 10, FRAMES = 5, RAISES = 8, SECONDS = 22, WIDTH = 320, HEIGHT = 180 };
 
 static const double TOLERANCE = 1.1;
 
@@ -47,13 +47,24 @@ static bool draw_frames(users_show *show, const daft_quality *quality, double ms
     return true;
 }
 
-/* A budget that buys nothing any more, since the machine has become slower, is no trial. */
+/* What the budget buys; one that buys nothing any more, since the machine has become slower, is raised by tenths. */
+static bool recommend(sweep_result *s, double *budget, int *chosen, daft_error *error)
+{
+    *chosen = -1;
+    for (int i = 0; i < RAISES && *chosen < 0; i++) {
+        if (i > 0) *budget *= 1.1;
+        if (!sweep_confirm(s, *budget, error)) return false;
+        *chosen = sweep_choose(s, *budget);
+    }
+    return true;
+}
+
 static bool try_budget(users_show *show, sweep_result *s, double budget, outcome *out, daft_error *error)
 {
     double ms[FRAMES], spread;
-    if (!sweep_confirm(s, budget, error)) return false;
-    const int chosen = sweep_choose(s, budget);
-    if (chosen < 0) return true;
+    int chosen;
+    if (!recommend(s, &budget, &chosen, error)) return false;
+    if (chosen < 0) return true; /* no promise, no trial */
     if (!draw_frames(show, &s->points[chosen].quality, ms, error)) return false;
     out->trials++, out->first_kept += ms[0] <= TOLERANCE * budget;
     const double over = sweep_median(ms, FRAMES, &spread) / budget;
