@@ -11,7 +11,7 @@
 
 enum { GROUP = 3, ROUNDS = 9, LEAST_ROUNDS = 3 };
 
-/* Parts of the sweep's time that the rounds of one group may take, and all of them. */
+/* Parts of the sweep's time that the rounds of one group may take, and all of them but the last choices. */
 static const double GROUP_SHARE = 0.03, ALL_SHARE = 0.12;
 
 typedef struct confirmation {
@@ -67,7 +67,7 @@ static void take(const sweep_result *s, sweep_point *p, double *times, int round
 }
 
 /* One picture of each that does not count, then rounds in turns. */
-static bool time_group(confirmation *c, const int *group, int count, daft_error *error)
+static bool time_group(confirmation *c, const int *group, int count, int most, daft_error *error)
 {
     sweep_result *s = c->sweep;
     double times[GROUP][ROUNDS], ignored;
@@ -75,7 +75,7 @@ static bool time_group(confirmation *c, const int *group, int count, daft_error 
     for (int k = 0; k < count; k++)
         if (!draw(c, &s->points[group[k]], &ignored, error)) return false;
     const uint64_t began = clock_now_ns();
-    while (rounds < ROUNDS && (rounds < LEAST_ROUNDS || seconds_since(began) < GROUP_SHARE * s->def.seconds)) {
+    while (rounds < most && (rounds < LEAST_ROUNDS || seconds_since(began) < GROUP_SHARE * s->def.seconds)) {
         for (int k = 0; k < count; k++)
             if (!draw(c, &s->points[group[k]], &times[k][rounds], error)) return false;
         rounds++;
@@ -84,20 +84,22 @@ static bool time_group(confirmation *c, const int *group, int count, daft_error 
     return true;
 }
 
+/* Each round of the loop times a setting more, so that it ends. When the time is over, only what is chosen is timed,
+ * and no more than it must be: a choice that was not timed again would be one of those that seem too fast. */
 static bool confirm(confirmation *c, double budget_ms, daft_error *error)
 {
     sweep_result *s = c->sweep;
-    do {
+    for (;;) {
         const int chosen = sweep_choose(s, budget_ms), best = chosen < 0 ? find_fastest(s) : chosen;
         if (s->points[best].again_ms > 0) return true;
+        const bool late = seconds_since(c->began_ns) > ALL_SHARE * s->def.seconds;
         int group[GROUP] = {best}, count = 1;
-        for (int dearer = 0; dearer < 2; dearer++) {
+        for (int dearer = 0; dearer < 2 && !late; dearer++) {
             const int next = find_neighbour(s, best, dearer);
             if (next >= 0) group[count++] = next;
         }
-        if (!time_group(c, group, count, error)) return false;
-    } while (seconds_since(c->began_ns) < ALL_SHARE * s->def.seconds);
-    return true;
+        if (!time_group(c, group, count, late ? LEAST_ROUNDS : ROUNDS, error)) return false;
+    }
 }
 
 bool sweep_confirm(sweep_result *self, double budget_ms, daft_error *error)

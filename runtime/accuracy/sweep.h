@@ -97,8 +97,8 @@ bool sweep_all_same(const sweep_result *self);
  * sweep_confirm, where it took some. */
 int sweep_choose(const sweep_result *self, double budget_ms);
 /* confirm.c: times what the budget buys, and its neighbours on the front, again, until sweep_choose gives one that was
- * timed now; takes at most an eighth of def.seconds, and a group of three settings. For the time after sweep_run, while
- * engine and scene are as they were. Forgets what it found before. */
+ * timed now; takes an eighth of def.seconds, and a few pictures of each further choice. For the time after sweep_run,
+ * while engine and scene are as they were. Forgets what it found before. */
 bool sweep_confirm(sweep_result *self, double budget_ms, daft_error *error);
 /* Median of some times, which it sorts; spread as in sweep_point. */
 double sweep_median(double *times, int count, double *spread);
