@@ -23,6 +23,12 @@ typedef struct confirmation {
 
 static double seconds_since(uint64_t began_ns) { return (double)(clock_now_ns() - began_ns) / 1e9; }
 
+/* Whether the least of rounds takes longer than a group may: such a setting is timed once, and alone. */
+static bool is_slow(const sweep_result *s, const sweep_point *p)
+{
+    return LEAST_ROUNDS * p->ms / 1e3 > GROUP_SHARE * s->def.seconds;
+}
+
 /* The setting of the front that is next in time to a point, among those that are not timed yet; -1: none. */
 static int find_neighbour(const sweep_result *s, int of, bool dearer)
 {
@@ -30,7 +36,7 @@ static int find_neighbour(const sweep_result *s, int of, bool dearer)
     for (size_t i = 0; i < s->count; i++) {
         const sweep_point *p = &s->points[i];
         const double apart = dearer ? p->ms - s->points[of].ms : s->points[of].ms - p->ms;
-        if (!p->on_front || p->again_ms > 0 || apart <= 0) continue;
+        if (!p->on_front || p->again_ms > 0 || apart <= 0 || is_slow(s, p)) continue;
         if (next < 0 || apart < fabs(s->points[next].ms - s->points[of].ms)) next = (int)i;
     }
     return next;
@@ -75,7 +81,8 @@ static bool time_group(confirmation *c, const int *group, int count, int most, d
     for (int k = 0; k < count; k++)
         if (!draw(c, &s->points[group[k]], &ignored, error)) return false;
     const uint64_t began = clock_now_ns();
-    while (rounds < most && (rounds < LEAST_ROUNDS || seconds_since(began) < GROUP_SHARE * s->def.seconds)) {
+    const int least = is_slow(s, &s->points[group[0]]) ? 1 : LEAST_ROUNDS;
+    while (rounds < most && (rounds < least || seconds_since(began) < GROUP_SHARE * s->def.seconds)) {
         for (int k = 0; k < count; k++)
             if (!draw(c, &s->points[group[k]], &times[k][rounds], error)) return false;
         rounds++;
@@ -92,7 +99,7 @@ static bool confirm(confirmation *c, double budget_ms, daft_error *error)
     for (;;) {
         const int chosen = sweep_choose(s, budget_ms), best = chosen < 0 ? find_fastest(s) : chosen;
         if (s->points[best].again_ms > 0) return true;
-        const bool late = seconds_since(c->began_ns) > ALL_SHARE * s->def.seconds;
+        const bool late = seconds_since(c->began_ns) > ALL_SHARE * s->def.seconds || is_slow(s, &s->points[best]);
         int group[GROUP] = {best}, count = 1;
         for (int dearer = 0; dearer < 2 && !late; dearer++) {
             const int next = find_neighbour(s, best, dearer);
