@@ -46,15 +46,20 @@ static void find_slowness(const sweep_result *s, int moment, double slowness[SWE
     free(relative);
 }
 
+double sweep_median(double *times, int count, double *spread)
+{
+    const double median = middle_of(times, (size_t)count);
+    *spread = spread_of(times, count);
+    return median;
+}
+
 static double median_of(const sweep_measure *m, const double slowness[SWEEP_ROUNDS], double *spread)
 {
-    double sorted[SWEEP_ROUNDS];
+    double times[SWEEP_ROUNDS];
     *spread = 0;
     if (m->rounds == 0) return 0;
-    for (int i = 0; i < m->rounds; i++) sorted[i] = m->times[i] / slowness[i];
-    const double median = middle_of(sorted, (size_t)m->rounds);
-    *spread = spread_of(sorted, m->rounds);
-    return median;
+    for (int i = 0; i < m->rounds; i++) times[i] = m->times[i] / slowness[i];
+    return sweep_median(times, m->rounds, spread);
 }
 
 /* Means over the moments; of the tiles the worst. */
@@ -65,9 +70,10 @@ static void summarise(sweep_point *p, int moments, double slowness[][SWEEP_ROUND
     p->ms = p->spread = p->temporal = p->half_flip[0] = p->half_flip[1] = 0, p->picture = 0;
     *e = (picture_errors){0};
     for (int i = 0; i < moments; i++) {
-        const sweep_measure *m = &p->at[i];
+        sweep_measure *m = &p->at[i];
         double spread;
-        p->ms += median_of(m, slowness[i], &spread) / moments, p->spread += spread / moments;
+        m->ms = median_of(m, slowness[i], &spread);
+        p->ms += m->ms / moments, p->spread += spread / moments;
         squares += m->errors.rmse * m->errors.rmse / moments;
         e->ssim += m->errors.ssim / moments, e->flip += m->errors.flip / moments;
         e->worst = fmax(e->worst, m->errors.worst);
@@ -130,12 +136,17 @@ bool sweep_all_same(const sweep_result *s)
     return true;
 }
 
+static bool keeps(const sweep_point *p, double budget_ms)
+{
+    return (p->again_ms > 0 ? p->again_ms + p->again_spread : p->ms + p->spread) <= budget_ms;
+}
+
 int sweep_choose(const sweep_result *s, double budget_ms)
 {
     int best = -1;
     for (size_t i = 0; i < s->count; i++) {
         const sweep_point *p = &s->points[i];
-        if (p->same_as >= 0 || p->ms + p->spread > budget_ms) continue;
+        if (p->same_as >= 0 || !keeps(p, budget_ms)) continue;
         if (best < 0 || p->errors.flip < s->points[best].errors.flip ||
             (p->errors.flip == s->points[best].errors.flip && p->ms < s->points[best].ms))
             best = (int)i;

@@ -1,6 +1,9 @@
 /* The table of knobs. */
 #include "accuracy/knobs.h"
 
+#include "common/quality.h"
+#include "common/util.h"
+
 #include <string.h>
 
 static const knob_row TABLE[KNOBS] = {
@@ -55,6 +58,22 @@ size_t knob_count(const knob_row *knob)
     size_t count = 0;
     while (count < KNOB_SETTINGS && knob->settings[count]) count++;
     return count;
+}
+
+bool knob_own(char *text, knob_row *out, daft_error *error)
+{
+    size_t count = 0;
+    *out = (knob_row){.name = "own", .doc = "the settings that were asked for"};
+    for (char *at = text, *end; at; at = end) {
+        daft_quality quality = daft_preset_quality(DAFT_PRESET_GAME);
+        end = strchr(at, ';');
+        if (end) *end++ = 0;
+        if (count == KNOB_SETTINGS) return fail(error, DAFT_ERROR_ARGUMENT, "at most %d settings", KNOB_SETTINGS);
+        if (!*at) return fail(error, DAFT_ERROR_ARGUMENT, "a setting is empty");
+        if (!quality_parse(at, &quality, error)) return false;
+        out->settings[count++] = at;
+    }
+    return true;
 }
 
 bool knob_is_by_rays(const char *setting) { return strstr(setting, "tree=bvh") || strstr(setting, "tree=kdtree"); }

@@ -101,7 +101,9 @@ static void put_plots(FILE *out, const report_def *def)
     fprintf(out, "<h2>Error over time</h2><div class=\"plots\">\n");
     put_front_plot(&p, def);
     put_knob_plot(&p, def, "quality", "The presets.");
-    for (size_t k = 0; k < KNOBS; k++) put_knob_plot(&p, def, knob_at(k)->name, knob_at(k)->doc);
+    const knob_row *only = def->sweep->def.knob;
+    if (only) put_knob_plot(&p, def, only->name, only->doc);
+    for (size_t k = 0; !only && k < KNOBS; k++) put_knob_plot(&p, def, knob_at(k)->name, knob_at(k)->doc);
     fprintf(out, "</div>\n");
 }
 

@@ -64,6 +64,7 @@ void report_advise(const report_def *def, char out[SENTENCE])
     for (size_t i = 0; best < 0 && i < s->count; i++)
         if (s->points[i].ms < p->ms) p = &s->points[i];
     report_command(s, p, command, sizeof command);
+    const bool again = p->again_ms > 0;
     int used = 0;
     if (sweep_all_same(s)) used = snprintf(out, SENTENCE, "All settings draw the same picture. ");
     if (best >= 0)
@@ -71,7 +72,8 @@ void report_advise(const report_def *def, char out[SENTENCE])
     else
         used +=
             snprintf(out + used, SENTENCE - (size_t)used, "No setting keeps %g ms here. The fastest: ", def->budget_ms);
-    snprintf(out + used, SENTENCE - (size_t)used, "%s (%.2f ms ± %.2f, FLIP %.4f).", command, p->ms, p->spread,
+    snprintf(out + used, SENTENCE - (size_t)used, "%s (%.2f ms ± %.2f%s, FLIP %.4f).", command,
+             again ? p->again_ms : p->ms, again ? p->again_spread : p->spread, again ? ", timed again at the end" : "",
              p->errors.flip);
 }
 
@@ -195,6 +197,7 @@ static void put_point(FILE *out, const sweep_result *s, const sweep_point *p)
     fprintf(out, "{\"knob\":\"%s\",\"setting\":", p->knob);
     json_put_text(out, p->setting);
     fprintf(out, ",\"ms\":%.4f,\"ms_spread\":%.4f,\"rounds\":%d", p->ms, p->spread, p->at[0].rounds);
+    if (p->again_ms > 0) fprintf(out, ",\"ms_again\":%.4f,\"ms_again_spread\":%.4f", p->again_ms, p->again_spread);
     put_errors(out, &p->errors);
     if (s->def.moments) {
         fputc(',', out);

@@ -17,7 +17,7 @@ enum { GRID = 54, GRID_QUICK = 12, LEAST_ROUNDS = 2, GOOD_ROUNDS = 5, MOST_FACTO
  * not timed once by LAST_SHARE is left out, so that a machine that becomes slow makes the report shorter and no later.
  */
 static const double REFERENCE_SHARE = 0.3, COMPARE_SHARE = 0.55, SINGLES_SHARE = 0.75, TIME_SHARE = 0.85,
-                    LAST_SHARE = 1.05, POINT_SHARE = 0.04, SLOWEST_SHARE = 0.06;
+                    LAST_SHARE = 1.05, POINT_SHARE = 0.04, FEW_SHARE = 0.4, SLOWEST_SHARE = 0.06;
 
 /* What is known of the moment at work. */
 typedef struct sweep_work {
@@ -277,19 +277,23 @@ static void add_qualities(sweep_result *s)
     }
 }
 
+static bool add_knob(sweep_result *s, const knob_row *knob, daft_error *error)
+{
+    for (size_t i = 0; i < knob_count(knob); i++) {
+        daft_quality quality = preset_of(s);
+        if (knob_is_by_rays(knob->settings[i]) && too_slow(s, quality.samples * s->ray_seconds)) continue;
+        if (!quality_parse(knob->settings[i], &quality, error)) return false;
+        const daft_quality fixed = fix(s, quality);
+        if (quality_equal(&quality, &fixed)) add_point(s, knob->name, knob->settings[i], &quality);
+    }
+    return true;
+}
+
 static bool add_singles(sweep_result *s, daft_error *error)
 {
-    for (size_t k = 0; k < KNOBS; k++) {
-        const knob_row *knob = knob_at(k);
-        if (s->def.knob && s->def.knob != knob) continue;
-        for (size_t i = 0; i < knob_count(knob); i++) {
-            daft_quality quality = preset_of(s);
-            if (knob_is_by_rays(knob->settings[i]) && too_slow(s, quality.samples * s->ray_seconds)) continue;
-            if (!quality_parse(knob->settings[i], &quality, error)) return false;
-            const daft_quality fixed = fix(s, quality);
-            if (quality_equal(&quality, &fixed)) add_point(s, knob->name, knob->settings[i], &quality);
-        }
-    }
+    if (s->def.knob) return add_knob(s, s->def.knob, error);
+    for (size_t k = 0; k < KNOBS; k++)
+        if (!add_knob(s, knob_at(k), error)) return false;
     return true;
 }
 
@@ -409,6 +413,13 @@ static bool compare_one(sweep_result *s, sweep_point *p, const uint8_t *referenc
     return true;
 }
 
+/* Settings up to this one are measured however long they take: the preset, and all that the user named. */
+static size_t last_needed(const sweep_result *s)
+{
+    const bool own = s->def.knob && !knob_named(s->def.knob->name);
+    return own ? s->count - 1 : s->preset;
+}
+
 /* Leaves out the settings from one on. At moments after the first all or none must be there: the moment is left out. */
 static void leave_out(sweep_result *s, size_t from)
 {
@@ -426,7 +437,7 @@ static bool compare(sweep_result *s, size_t first, const uint8_t *reference, daf
     for (size_t i = first; i < s->count; i++) {
         show(s);
         if (!compare_one(s, &s->points[i], reference, error)) return false;
-        if (i >= s->preset && used(s) > (first > 0 ? COMPARE_SHARE : SINGLES_SHARE)) leave_out(s, i + 1);
+        if (i >= last_needed(s) && used(s) > (first > 0 ? COMPARE_SHARE : SINGLES_SHARE)) leave_out(s, i + 1);
         if (s->work->late) return true;
     }
     return true;
@@ -440,7 +451,9 @@ static bool may_time(const sweep_result *s, const sweep_point *p)
     for (int i = 0; i < m->rounds; i++) taken += m->times[i] / 1e3;
     if (m->rounds == 0) return true;
     if (m->rounds < LEAST_ROUNDS) return used(s) < 1;
-    return taken < POINT_SHARE * s->work->seconds && used(s) < (m->rounds < GOOD_ROUNDS ? 1 : TIME_SHARE);
+    /* Few settings may take more than a small part each. */
+    const double share = fmax(POINT_SHARE, FEW_SHARE / (double)s->count);
+    return taken < share * s->work->seconds && used(s) < (m->rounds < GOOD_ROUNDS ? 1 : TIME_SHARE);
 }
 
 static bool time_all(sweep_result *s, daft_error *error)
@@ -449,7 +462,7 @@ static bool time_all(sweep_result *s, daft_error *error)
         for (size_t i = 0; i < s->count && !s->work->late; i++) {
             show(s);
             if (may_time(s, &s->points[i]) && !draw_timed(s, &s->points[i], error)) return false;
-            if (round == 0 && i >= s->preset && used(s) > LAST_SHARE) leave_out(s, i + 1);
+            if (round == 0 && i >= last_needed(s) && used(s) > LAST_SHARE) leave_out(s, i + 1);
         }
     }
     return true;
@@ -520,7 +533,10 @@ static bool run(sweep_result *s, daft_error *error)
         show(s);
         if (is_game(s) && !s->def.next(s->def.user, error)) return false;
         if (!measure_moment(s, error)) return false;
-        if (s->work->late) break;
+        if (s->work->late) {
+            s->moved_on = true;
+            break;
+        }
         s->moments++;
     }
     sweep_judge(s);

@@ -16,6 +16,7 @@ enum { SWEEP_ROUNDS = 15, SWEEP_POINTS = 128, SWEEP_MOMENTS = 4, SETTING_TEXT = 
 typedef struct sweep_measure {
     double times[SWEEP_ROUNDS]; /* milliseconds */
     int rounds;
+    double ms; /* their median, without what slowed all settings of a round alike */
     picture_errors errors;
     double half_flip[2]; /* mean FLIP against each half of the reference */
     double temporal;     /* how differently it changes from one tick to the next: see sweep_point */
@@ -30,6 +31,7 @@ typedef struct sweep_point {
     /* Means over the moments, the worst tile of all: */
     double ms, spread; /* of a moment: median; half of the distance between the quartiles, of the extremes below four
                           rounds */
+    double again_ms, again_spread; /* the same as ms and spread, by sweep_confirm; 0: it did not time this one */
     picture_errors errors;
     double half_flip[2];
     /* The mean over the pixels of |FLIP from one tick to the next - the same of the reference|: what flickers. */
@@ -51,7 +53,7 @@ typedef struct sweep_def {
     int width, height;
     double seconds;       /* of wall time that all of it may take */
     bool quick;           /* a smaller grid and a smaller reference */
-    const knob_row *knob; /* the only one to sweep, without combinations; NULL: all */
+    const knob_row *knob; /* the only one to sweep, of the table or the user's own, without combinations; NULL: all */
     int moments;          /* of a game; 0: the scene stands */
     /* Takes the game to its next moment. */
     bool (*next)(void *user, daft_error *error);
@@ -72,6 +74,7 @@ typedef struct sweep_result {
     sweep_point *points;
     size_t count;
     int moments;                    /* measured; 1 for a scene */
+    bool moved_on;                  /* the game stands at a moment for which there was no time */
     size_t dropped;                 /* settings that there was no time for */
     double ray_seconds;             /* of one picture of the preset by camera rays one by one */
     size_t preset;                  /* the point that is the preset itself */
@@ -90,8 +93,15 @@ void sweep_free(sweep_result *self);
 void sweep_judge(sweep_result *self);
 /* Whether all settings draw the same picture. */
 bool sweep_all_same(const sweep_result *self);
-/* The point with the smallest FLIP whose median and spread lie within the budget; -1: none. */
+/* The point with the smallest FLIP whose median and spread lie within the budget; -1: none. Times are those of
+ * sweep_confirm, where it took some. */
 int sweep_choose(const sweep_result *self, double budget_ms);
+/* confirm.c: times what the budget buys, and its neighbours on the front, again, until sweep_choose gives one that was
+ * timed now; takes an eighth of def.seconds, and a few pictures of each further choice. For the time after sweep_run,
+ * while engine and scene are as they were. Forgets what it found before. */
+bool sweep_confirm(sweep_result *self, double budget_ms, daft_error *error);
+/* Median of some times, which it sorts; spread as in sweep_point. */
+double sweep_median(double *times, int count, double *spread);
 /* Whether the spreads of two points overlap. */
 bool sweep_equal_times(const sweep_point *a, const sweep_point *b);
 

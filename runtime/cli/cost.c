@@ -39,6 +39,8 @@ typedef struct cost_options {
     long camera, threads;
     bool quick, sim, no_pictures;
     const char *knob, *knobs; /* or NULL */
+    const char *settings;     /* the same */
+    const knob_row *only;     /* what these two say, or NULL */
 } cost_options;
 
 static bool make_folder(const char *path, daft_error *error)
@@ -55,6 +57,7 @@ static void print_command(const cost_options *o, FILE *out)
     if (o->knobs) fprintf(out, " --knobs %s", o->knobs);
     if (o->sim) fprintf(out, " --sim");
     if (o->knob) fprintf(out, " --knob %s", o->knob);
+    if (o->settings) fprintf(out, " --settings '%s'", o->settings);
     if (o->quick) fprintf(out, " --quick");
     if (o->no_pictures) fprintf(out, " --no-pictures");
     if (o->camera >= 0) fprintf(out, " --camera %ld", o->camera);
@@ -106,9 +109,9 @@ static bool measure(const cost_options *o, const sweep_def *what, daft_error *er
     def.width = o->size.width, def.height = o->size.height;
     def.seconds = o->quick ? QUICK_SECONDS : DEFAULT_SECONDS;
     def.quick = o->quick;
-    def.knob = o->knob ? knob_named(o->knob) : NULL;
+    def.knob = o->only;
     if (!try_folder(o, error) || !sweep_run(&all, &def, error)) return false;
-    const bool good = write_report(o, &all, error);
+    const bool good = sweep_confirm(&all, o->budget, error) && write_report(o, &all, error);
     sweep_free(&all);
     return good;
 }
@@ -233,6 +236,19 @@ static int run(const cost_options *o)
     return good ? STATUS_DONE : report(&error);
 }
 
+/* Cuts a copy of the text into the settings. */
+static int run_own(cost_options *o)
+{
+    daft_error error;
+    knob_row row;
+    char *text = strdup(o->settings);
+    const bool good = text ? knob_own(text, &row, &error) : fail(&error, DAFT_ERROR_MEMORY, "out of memory");
+    o->only = &row;
+    const int status = good ? run(o) : cli_refuse("cost", "--settings: %s", error.message);
+    free(text);
+    return status;
+}
+
 static int refuse_knob(const char *name)
 {
     char known[300] = "";
@@ -252,6 +268,8 @@ int command_cost(int argc, char **argv)
         {"quick", 0, CLI_FLAG, NULL, &o.quick, 0, 0, "fewer combinations and a coarser reference, within 30 s"},
         {"knob", 0, CLI_TEXT, "NAME", &o.knob, 0, 0,
          "this knob alone, without combinations: antialiasing, shadows, ..."},
+        {"settings", 0, CLI_TEXT, "LIST", &o.settings, 0, 0,
+         "these settings alone, apart by semicolons, up to six: 'samples=8;edge_samples=16'"},
         {"no-pictures", 0, CLI_FLAG, NULL, &o.no_pictures, 0, 0, "a page of plots and tables alone, of 100 KB"},
         {"size", 0, CLI_SIZE, "WxH", &o.size, 16, 1920, "size of the picture (640x360; quick: 320x180)"},
         {"quality", 'q', CLI_QUALITY, "Q", &o.quality, 0, 0,
@@ -272,6 +290,8 @@ int command_cost(int argc, char **argv)
         return cli_refuse("cost", "--sim: a game expected, a scene has no bodies");
     if (o.size.width == 0) o.size = o.quick ? (cli_size){320, 180} : (cli_size){640, 360};
     if (o.knob && !knob_named(o.knob)) return refuse_knob(o.knob);
+    if (o.settings && (o.knob || o.sim)) return cli_refuse("cost", "--settings: without --knob and --sim");
     if (!(o.budget > 0)) return cli_refuse("cost", "--budget: a number above 0 expected");
-    return run(&o);
+    o.only = o.knob ? knob_named(o.knob) : NULL;
+    return o.settings ? run_own(&o) : run(&o);
 }

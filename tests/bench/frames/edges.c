@@ -1,16 +1,18 @@
-/* Rows `antialiasing, NAME`: each scene of assets/scenes, and each game at four moments of its demo, at 1280x720: a
+/* Rows `antialiasing, NAME`: each scene of assets/scenes, and each game in its demo, at 1280x720: a
  * picture of one sample a pixel and sixteen where it changes from one pixel to the next, beside one of eight samples
- * everywhere: milliseconds, and how far both are from the reference, as `daft cost --knob antialiasing` measures them,
- * in turns. What is sampled otherwise is held fast, since eight samples a pixel ask a lamp or the sky eight times as
- * well, which is another knob's matter, as is the filter of textures.
+ * everywhere: milliseconds, and how far both are from the reference, as `daft cost --quick --settings` measures
+ * them, in turns; a game at two moments. What is sampled otherwise is held fast, since eight samples a pixel ask a lamp
+ * or the sky eight times as well, which is another knob's matter, as is the filter of textures.
  *
- * Rows `pan, NAME`: each scene at 640x360 by a camera that turns by 0.4 of a pixel from one frame to the next, 120
- * frames long: how much more, or less, the picture changes from frame to frame than the reference's, 16 samples
- * everywhere: the mean over pixels and frames of |FLIP of two frames - FLIP of the reference's|, which is what
- * shimmers. Beside it stands that of eight samples everywhere. */
+ * Rows `pan, NAME`: each scene at 320x180, or half of it where that takes long, by a camera that turns by 0.4 of a
+ * pixel from one frame to the next, 120 frames long: how much more, or less, the picture changes from frame to frame
+ * than the reference's, 16 samples everywhere: the mean over pixels and frames of |FLIP of two frames - FLIP of the
+ * reference's|, which is what shimmers. Beside it stands that of eight samples everywhere; the same is held fast as
+ * above. */
 #include "frames/users.h"
 
 #include "accuracy/metrics.h"
+#include "common/quality.h"
 
 #include <dirent.h>
 #include <math.h>
@@ -30,12 +32,14 @@ static bool find_point(const char *csv, const char *setting, edge_point *out)
 {
     double spread, psnr, ssim;
     char key[96];
-    snprintf(key, sizeof key, "antialiasing,\"%s\",", setting);
+    snprintf(key, sizeof key, "own,\"%s\",", setting);
     const char *at = strstr(csv, key);
     return at && sscanf(at + strlen(key), "%lf,%lf,%lf,%lf,%lf,%lf", &out->ms, &spread, &out->rmse, &psnr, &ssim,
                         &out->flip) == 6;
 }
 
+#define AT_EDGES   "samples=1,edge_samples=16"
+#define EVERYWHERE "samples=8,edge_samples=0"
 #define FIXED                                                                                                          \
     "shadow_samples=0,occlusion_samples=0,glossy_samples=0,denoise=off,mirror_depth=2,refraction_depth=12,"            \
     "min_weight=1/2048,texture_filter=trilinear"
@@ -46,7 +50,7 @@ static char *run_cost(bench *self, const char *what, int threads)
     size_t size;
     if (!mkdtemp(folder)) return NULL;
     snprintf(command, sizeof command,
-             "cd '%s' && '%s' cost '%s' --knob antialiasing --knobs " FIXED
+             "cd '%s' && '%s' cost '%s' --quick --settings '" AT_EDGES ";" EVERYWHERE "' --knobs " FIXED
              " --size 1280x720 --no-pictures --threads %d --isa %s -o %s >/dev/null 2>&1",
              DAFT_ROOT, DAFT_PROGRAM, what, threads, self->isa, folder);
     const bool good = system(command) == 0;
@@ -64,15 +68,16 @@ static void measure_picture(bench *self, const char *name, const char *what, int
     edge_point ours, peer;
     fprintf(stderr, "%s, %d thread%s\n", name, threads, threads == 1 ? "" : "s");
     char *csv = run_cost(self, what, threads);
-    if (!csv || !find_point(csv, "samples=1,edge_samples=16", &ours) ||
-        !find_point(csv, "samples=8,edge_samples=0", &peer)) {
+    if (!csv || !find_point(csv, AT_EDGES, &ours) || !find_point(csv, EVERYWHERE, &peer)) {
         bench_note(self, true, "%s failed", name);
     } else {
         snprintf(row.scene, sizeof row.scene, "%s", name);
         snprintf(row.what, sizeof row.what, "16 at edges");
         row.ours = ours.ms, row.peer = peer.ms;
-        snprintf(row.counters, sizeof row.counters, "RMSE %.4f, of 8 everywhere %.4f; FLIP %.4f, %.4f", ours.rmse,
-                 peer.rmse, ours.flip, peer.flip);
+        snprintf(row.counters, sizeof row.counters,
+                 "%.1f %% of the time; RMSE %.4f, of 8 everywhere %.4f; FLIP %.4f, %.4f%s", 100 * ours.ms / peer.ms,
+                 ours.rmse, peer.rmse, ours.flip, peer.flip,
+                 ours.rmse > peer.rmse || ours.flip > peer.flip ? "; an error is larger" : "");
         bench_add(self, &row);
     }
     daft_release(&self->allocator, csv);
@@ -80,31 +85,50 @@ static void measure_picture(bench *self, const char *name, const char *what, int
 
 /* ---- a pan ------------------------------------------------------------------------------------------------------- */
 
-enum { WIDTH = 640, HEIGHT = 360, FRAMES = 120, KINDS = 5 /* the last is the reference */ };
+enum { WIDTH = 320, HEIGHT = 180, FRAMES = 120, KINDS = 5 /* the last is the reference */ };
+
+/* A frame of the reference that takes longer: the picture is of half the size. Milliseconds. */
+static const double SLOW_MS = 200;
 
 typedef struct pan_show {
-    daft_engine *engine;
-    daft_scene *scene;
-    daft_image *image;
-    daft_view view;
+    users_show show;
+    int width, height;
     flip_picture *before[KINDS];
     float *change[KINDS]; /* of each pixel, from the frame before */
     double flicker[KINDS];
 } pan_show;
 
-static void ignore(void *user, const daft_error *warning) { (void)user, (void)warning; }
+static daft_view view_of(const pan_show *p, int kind, int frame)
+{
+    static const struct {
+        int samples, edges;
+    } KINDS_OF[KINDS] = {{1, 0}, {1, 4}, {1, 16}, {8, 0}, {16, 0}};
+    daft_view view = p->show.view;
+    view.quality.samples = KINDS_OF[kind].samples, view.quality.edge_samples = KINDS_OF[kind].edges;
+    view.camera.yaw += 0.4f * view.camera.fov / (float)p->width * (float)frame;
+    return view;
+}
+
+/* Halves the picture where the reference would take minutes. */
+static bool choose_size(pan_show *p, daft_error *error)
+{
+    daft_view view = view_of(p, KINDS - 1, 0);
+    p->width = WIDTH, p->height = HEIGHT;
+    if (users_draw(&p->show, &view, error) < 0) return false;
+    view.full = true;
+    const double ms = users_draw(&p->show, &view, error);
+    if (ms < 0 || ms <= SLOW_MS) return ms >= 0;
+    p->width /= 2, p->height /= 2;
+    daft_image_destroy(p->show.image);
+    p->show.image = daft_image_create(p->show.engine, p->width, p->height, error);
+    return p->show.image != NULL;
+}
 
 static bool open_pan(bench *self, const char *path, int threads, pan_show *p, daft_error *error)
 {
-    daft_engine_def def = daft_default_engine_def();
-    def.threads = threads, def.isa = self->isa, def.warn = ignore;
-    *p = (pan_show){.view = daft_default_view()};
-    p->engine = daft_engine_create(&def, error);
-    if (p->engine) p->scene = daft_scene_create(p->engine, error);
-    if (p->scene && daft_scene_load(p->scene, path, error))
-        p->image = daft_image_create(p->engine, WIDTH, HEIGHT, error);
-    if (p->image) p->view.camera = daft_scene_camera(p->scene, 1);
-    bool good = p->image != NULL;
+    *p = (pan_show){.width = WIDTH};
+    bool good = users_open(self, path, threads, WIDTH, HEIGHT, &p->show, error) &&
+                quality_parse(FIXED, &p->show.view.quality, error) && choose_size(p, error);
     for (int k = 0; k < KINDS; k++)
         good = good && (p->change[k] = malloc((size_t)WIDTH * HEIGHT * sizeof *p->change[k])) != NULL;
     return good;
@@ -113,22 +137,15 @@ static bool open_pan(bench *self, const char *path, int threads, pan_show *p, da
 static void close_pan(pan_show *p)
 {
     for (int k = 0; k < KINDS; k++) flip_free(p->before[k]), free(p->change[k]);
-    daft_image_destroy(p->image);
-    if (p->scene) daft_scene_destroy(p->scene);
-    if (p->engine) daft_engine_destroy(p->engine);
+    users_close(&p->show);
 }
 
 /* Draws the frame in one way, and finds out how it has changed. */
 static bool pan_one(pan_show *p, int kind, int frame, daft_error *error)
 {
-    static const struct {
-        int samples, edges;
-    } KINDS_OF[KINDS] = {{1, 0}, {1, 4}, {1, 16}, {8, 0}, {16, 0}};
-    daft_view view = p->view;
-    view.quality.samples = KINDS_OF[kind].samples, view.quality.edge_samples = KINDS_OF[kind].edges;
-    view.camera.yaw += 0.4f * view.camera.fov / WIDTH * (float)frame;
-    if (!daft_render(p->scene, &view, p->image, error)) return false;
-    flip_picture *now = flip_prepare(daft_image_pixels(p->image), WIDTH, HEIGHT, METRICS_PPD, error);
+    const daft_view view = view_of(p, kind, frame);
+    if (users_draw(&p->show, &view, error) < 0) return false;
+    flip_picture *now = flip_prepare(daft_image_pixels(p->show.image), p->width, p->height, METRICS_PPD, error);
     if (now && p->before[kind]) flip_compare(p->before[kind], now, p->change[kind]);
     flip_free(p->before[kind]);
     p->before[kind] = now;
@@ -137,10 +154,11 @@ static bool pan_one(pan_show *p, int kind, int frame, daft_error *error)
 
 static void add_flicker(pan_show *p)
 {
+    const int pixels = p->width * p->height;
     for (int k = 0; k + 1 < KINDS; k++) {
         double sum = 0;
-        for (int i = 0; i < WIDTH * HEIGHT; i++) sum += fabs((double)p->change[k][i] - (double)p->change[KINDS - 1][i]);
-        p->flicker[k] += sum / (WIDTH * HEIGHT) / (FRAMES - 1);
+        for (int i = 0; i < pixels; i++) sum += fabs((double)p->change[k][i] - (double)p->change[KINDS - 1][i]);
+        p->flicker[k] += sum / pixels / (FRAMES - 1);
     }
 }
 
@@ -160,8 +178,8 @@ static void measure_pan(bench *self, const char *name, const char *path, int thr
     snprintf(row.scene, sizeof row.scene, "%s", name);
     snprintf(row.what, sizeof row.what, "flicker, 16 at edges");
     row.ours = p.flicker[2], row.peer = p.flicker[3];
-    snprintf(row.counters, sizeof row.counters, "one sample %.4f; 4 at edges, as game draws it, %.4f", p.flicker[0],
-             p.flicker[1]);
+    snprintf(row.counters, sizeof row.counters, "%dx%d; one sample %.4f; 4 at edges, as game draws it, %.4f", p.width,
+             p.height, p.flicker[0], p.flicker[1]);
     if (good)
         bench_add(self, &row);
     else

@@ -5,6 +5,24 @@
 
 #include "harness/bench.h"
 
+#include "daft.h"
+
+/* A scene of a file, drawn through daft.h alone by its first camera. */
+typedef struct users_show {
+    daft_engine *engine;
+    daft_scene *scene;
+    daft_image *image;
+    daft_view view; /* quality: DAFT_PRESET_GAME */
+    int threads;
+} users_show;
+
+/* False: see the error; users_close is needed all the same. */
+bool users_open(bench *self, const char *path, int threads, int width, int height, users_show *out, daft_error *error);
+void users_close(users_show *show);
+/* A picture of the view, which is asked for with one of its own where what it reads changes. Milliseconds by
+ * bench_clock_ms; negative on failure. */
+double users_draw(users_show *show, const daft_view *view, daft_error *error);
+
 /* The frames of one game or scene with so many threads. */
 typedef struct users_frames {
     double median, p95;                /* milliseconds */

@@ -55,6 +55,38 @@ int users_has_demo(const struct dirent *entry)
     return daft_file_exists(NULL, path);
 }
 
+/* ---- a scene ---- */
+
+static void ignore(void *user, const daft_error *warning) { (void)user, (void)warning; }
+
+bool users_open(bench *self, const char *path, int threads, int width, int height, users_show *out, daft_error *error)
+{
+    daft_engine_def def = daft_default_engine_def();
+    def.threads = threads, def.isa = self->isa, def.warn = ignore;
+    *out = (users_show){.view = daft_default_view(), .threads = threads};
+    out->view.quality = daft_preset_quality(DAFT_PRESET_GAME);
+    out->engine = daft_engine_create(&def, error);
+    if (out->engine) out->scene = daft_scene_create(out->engine, error);
+    if (out->scene && daft_scene_load(out->scene, path, error))
+        out->image = daft_image_create(out->engine, width, height, error);
+    if (out->image) out->view.camera = daft_scene_camera(out->scene, 1);
+    return out->image != NULL;
+}
+
+void users_close(users_show *show)
+{
+    daft_image_destroy(show->image);
+    if (show->scene) daft_scene_destroy(show->scene);
+    if (show->engine) daft_engine_destroy(show->engine);
+}
+
+double users_draw(users_show *show, const daft_view *view, daft_error *error)
+{
+    const double start = bench_clock_ms(show->threads);
+    if (!daft_render(show->scene, view, show->image, error)) return -1;
+    return bench_clock_ms(show->threads) - start;
+}
+
 /* ---- the peer ---- */
 
 double users_number(const char *json, const char *name)

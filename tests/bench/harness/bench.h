@@ -67,7 +67,7 @@ bool bench_wants(bench *self, const char *scene, const char *what);
 const bench_row *bench_measure(bench *self, const bench_subject *subject);
 /* The same, with a second row of the same figures under another name and budget, without the peer. */
 void bench_measure_twice(bench *self, const bench_subject *subject, const char *what, bench_budget budget);
-/* Adds a row whose figures are already known. False: out of memory. */
+/* Adds a row whose figures are already known, and tells it on stderr. False: out of memory. */
 bool bench_add(bench *self, const bench_row *row);
 /* The clock for work of so many threads. One thread: its own processor time, because the time slices of other programs
  * would hit long samples more than short ones. More threads: the wall clock. */
@@ -82,6 +82,8 @@ void bench_note(bench *self, bool fatal, const char *format, ...) __attribute__(
 bool bench_smaller_is_better(const bench_row *row);
 /* Larger than 1: ours is better. Negative where there is no peer. */
 double bench_ratio(const bench_row *row);
+/* One row on stderr as soon as it is there; the table comes at the end. */
+void bench_tell(const bench_row *row);
 void bench_print(const bench *self);
 bool bench_write_json(const bench *self);
 

@@ -102,6 +102,7 @@ bool bench_add(bench *self, const bench_row *row)
         return false;
     }
     self->rows[self->count++] = *row;
+    bench_tell(row);
     return true;
 }
 

@@ -119,6 +119,15 @@ static void print_row(const bench_row *row, const columns *c)
     printf("  %s\n", row->counters);
 }
 
+void bench_tell(const bench_row *row)
+{
+    fprintf(stderr, "  %s %s: %.4g %s", row->scene, row->what, row->ours, row->unit);
+    if (row->peer >= 0 && row->peer_name)
+        fprintf(stderr, ", %s %.4g (%.2fx)", row->peer_name, row->peer, bench_ratio(row));
+    fprintf(stderr, "%s%s%s\n", row->counters[0] ? "; " : "", row->counters,
+            under_floor(row) ? " (under its floor)" : "");
+}
+
 void bench_print(const bench *self)
 {
     columns c = measure_columns(self);

@@ -1,57 +1,26 @@
 /* render: more samples where pixels differ from their neighbours. That the fast and the slow path, all instruction sets
  * and numbers of threads give the same bytes, test_render shows with the same quality. */
 #include "daft.h"
+#include "picture_stage.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
 
 enum { WIDTH = 200, HEIGHT = 136, PIXELS = WIDTH * HEIGHT };
 
-typedef struct stage {
-    daft_engine *engine;
-    daft_scene *scene;
-    daft_image *image;
-    daft_view view;
-} stage;
-
+/* The scene of a file, or an empty one, and its first camera. */
 static void stage_make(stage *s, const char *file)
 {
     daft_engine_def def = daft_default_engine_def();
     daft_error error = {0};
     char path[512];
     def.threads = 2;
-    s->engine = daft_engine_create(&def, &error);
-    if (!s->engine) fail_msg("%s", error.message);
-    s->scene = daft_scene_create(s->engine, &error);
-    s->image = daft_image_create(s->engine, WIDTH, HEIGHT, &error);
-    s->view = daft_default_view();
-    assert_true(s->scene && s->image);
+    *s = stage_open(&def, WIDTH, HEIGHT);
     if (!file) return;
     snprintf(path, sizeof path, "%s/assets/scenes/%s", DAFT_ROOT, file);
     if (!daft_scene_load(s->scene, path, &error)) fail_msg("%s", error.message);
     assert_true(daft_scene_get_camera(s->scene, 0, &s->view.camera, &error));
-}
-
-static void stage_drop(stage *s)
-{
-    daft_image_destroy(s->image);
-    daft_scene_destroy(s->scene);
-    daft_engine_destroy(s->engine);
-}
-
-static void draw(stage *s, uint8_t *rgba)
-{
-    daft_error error = {0};
-    if (!daft_render(s->scene, &s->view, s->image, &error)) fail_msg("%s", error.message);
-    if (rgba) memcpy(rgba, daft_image_pixels(s->image), 4 * PIXELS);
 }
 
 static double linear(uint8_t byte)
@@ -87,7 +56,7 @@ static void come_close_to_many_samples(void **unused)
         double before = distance(none, truth), after[2] = {distance(four, truth), distance(sixteen, truth)};
         print_message("%s: error %.4f, 4: %.4f, 16: %.4f\n", scenes[i], before, after[0], after[1]);
         assert_true(after[0] < before && after[1] < 0.75 * before);
-        stage_drop(&s);
+        stage_free(&s);
     }
 }
 
@@ -108,7 +77,7 @@ static void more_samples_come_closer(void **unused)
         assert_true(now < 0.7 * before);
         before = now;
     }
-    stage_drop(&s);
+    stage_free(&s);
 }
 
 /* A disc's border: of each pixel, its fraction that the disc covers. */
@@ -146,7 +115,7 @@ static void an_outline_is_its_coverage(void **unused)
         print_message("%d samples: off by %.3f at most, %d pixels between\n", samples, worst, between);
         assert_true(between > 150 && worst < (samples == 4 ? 0.4 : 0.12));
     }
-    stage_drop(&s);
+    stage_free(&s);
 }
 
 /* Along rows and columns, where regular samples do worst: sixteen steps. */
@@ -216,12 +185,12 @@ static void nothing_else_changes(void **unused)
         changed += memcmp(&without[4 * i], &with[4 * i], 4) != 0;
     }
     assert_true(changed > 300);
-    stage_drop(&s);
+    stage_free(&s);
     stage_make(&s, NULL);
     draw(&s, NULL);
     assert_false(daft_scene_counters(s.scene)->effects[DAFT_EFFECT_ANTIALIASING].ran);
     assert_int_equal(daft_scene_counters(s.scene)->effects[DAFT_EFFECT_ANTIALIASING].rays, 0);
-    stage_drop(&s);
+    stage_free(&s);
 }
 
 static void add_ball(stage *s, daft_dvec3 at, float radius, const daft_material_def *look)
@@ -277,7 +246,7 @@ static void textures_are_no_edges(void **unused)
     const int shadowed = pixels_with_more(&s, cost, entity);
     print_message("pixels with more samples: %d, without a filter %d, at a shadow %d\n", lit, rough, shadowed);
     assert_true(lit < 10 && rough > 200 && shadowed > lit + 10);
-    stage_drop(&s);
+    stage_free(&s);
 }
 
 /* The mean of 4 × 4 pixels for each, of sixteen samples: they see finer levels of the textures. */
@@ -319,7 +288,7 @@ static void textures_are_sharp(void **unused)
     s.view.quality.samples = 1, s.view.quality.edge_samples = 16, draw(&s, edges);
     print_message("hall: 8 samples %.4f, 16 at edges %.4f\n", distance(eight, truth), distance(edges, truth));
     assert_true(distance(edges, truth) < distance(eight, truth));
-    stage_drop(&s);
+    stage_free(&s);
 }
 
 static void bands_are_the_picture(void **unused)
@@ -338,7 +307,7 @@ static void bands_are_the_picture(void **unused)
         }
         assert_memory_equal(whole, daft_image_pixels(s.image), sizeof whole);
     }
-    stage_drop(&s);
+    stage_free(&s);
 }
 
 static bool stop(void *user, float done)
@@ -364,7 +333,7 @@ static void stops_in_between(void **unused)
     s.view.quality.edge_samples = 5;
     assert_false(daft_render(s.scene, &s.view, s.image, &error));
     assert_string_equal(error.message, "quality.edge_samples is 5; it must be 0, 4 or 16");
-    stage_drop(&s);
+    stage_free(&s);
 }
 
 int main(void)

@@ -3,6 +3,7 @@
 #include "fixtures.h"
 
 #include "daft.h"
+#include "picture_stage.h"
 #include "scene/scene.h"
 #include "support_content.h"
 
@@ -13,24 +14,12 @@ enum { WIDTH = 160, HEIGHT = 128, TEXELS = 256, PIXELS = WIDTH * HEIGHT };
 #define FIELD 1.0f /* radians across the picture */
 #define SIDE  2.0  /* metres a side of the card */
 
-typedef struct stage {
-    daft_engine *engine;
-    daft_scene *scene;
-    daft_image *image;
-    daft_view view;
-} stage;
-
 static const daft_vec3 SKY = {0.1f, 0.3f, 0};
 
 /* The camera looks along +X at the middle of what is put at x = 0; all light is ambient, and white. */
 static stage stage_with(const daft_engine_def *def, double away)
 {
-    stage s;
-    s.engine = daft_engine_create(def, NULL);
-    s.scene = daft_scene_create(s.engine, NULL);
-    s.image = daft_image_create(s.engine, WIDTH, HEIGHT, NULL);
-    assert_true(s.engine && s.scene && s.image);
-    s.view = daft_default_view();
+    stage s = stage_open(def, WIDTH, HEIGHT);
     s.view.camera = daft_camera_look_at(daft_dv3(-away, 0, 0), daft_dv3(0, 0, 0), FIELD);
     daft_scene_set_ambient(s.scene, daft_v3(1, 1, 1));
     daft_scene_set_sky_color(s.scene, SKY);
@@ -42,20 +31,6 @@ static stage stage_new(double away)
     daft_engine_def def = daft_default_engine_def();
     def.threads = 1;
     return stage_with(&def, away);
-}
-
-static void stage_free(stage *s)
-{
-    daft_image_destroy(s->image);
-    daft_scene_destroy(s->scene);
-    daft_engine_destroy(s->engine);
-}
-
-static void draw(stage *s, uint8_t *out)
-{
-    daft_error error = {0};
-    if (!daft_render(s->scene, &s->view, s->image, &error)) fail_msg("%s", error.message);
-    memcpy(out, daft_image_pixels(s->image), 4 * PIXELS);
 }
 
 /* Metres from the camera where a texel is as wide as so many pixels. */

@@ -3,6 +3,7 @@
 #include "fixtures.h"
 
 #include "daft.h"
+#include "picture_stage.h"
 #include "render/render.h"
 #include "scene/scene.h"
 #include "support_content.h"
@@ -11,22 +12,10 @@
 
 enum { WIDTH = 160, HEIGHT = 120, TEXELS = 32, PIXELS = WIDTH * HEIGHT };
 
-typedef struct stage {
-    daft_engine *engine;
-    daft_scene *scene;
-    daft_image *image;
-    daft_view view;
-} stage;
-
 /* From above onto a white ground; what hangs over it, from y = 2 on, is not in the picture. */
 static stage stage_with(const daft_engine_def *def)
 {
-    stage s;
-    s.engine = daft_engine_create(def, NULL);
-    s.scene = daft_scene_create(s.engine, NULL);
-    s.image = daft_image_create(s.engine, WIDTH, HEIGHT, NULL);
-    assert_true(s.engine && s.scene && s.image);
-    s.view = daft_default_view();
+    stage s = stage_open(def, WIDTH, HEIGHT);
     s.view.camera = daft_camera_look_at(daft_dv3(-3, 1.9, 0), daft_dv3(0, 0, 0), 1.2f);
     s.view.quality.edge_samples = 0;
     daft_material_def white = daft_default_material_def();
@@ -44,21 +33,6 @@ static stage stage_new(void)
     daft_engine_def def = daft_default_engine_def();
     def.threads = 1;
     return stage_with(&def);
-}
-
-static void stage_free(stage *s)
-{
-    daft_image_destroy(s->image);
-    daft_scene_destroy(s->scene);
-    daft_engine_destroy(s->engine);
-}
-
-static const daft_counters *draw(stage *s, uint8_t *out)
-{
-    daft_error error = {0};
-    if (!daft_render(s->scene, &s->view, s->image, &error)) fail_msg("%s", error.message);
-    memcpy(out, daft_image_pixels(s->image), 4 * PIXELS);
-    return daft_scene_counters(s->scene);
 }
 
 /* ---- a leaf: a fat F of whole texels ---- */

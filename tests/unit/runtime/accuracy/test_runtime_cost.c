@@ -89,6 +89,46 @@ static void a_budget_buys_the_least_error_within_it(void **unused)
     assert_int_equal(sweep_choose(&s, 20), 0); /* the median keeps it, its spread does not */
     assert_int_equal(sweep_choose(&s, 1000), 4);
     assert_int_equal(sweep_choose(&s, 5), -1);
+    /* What was timed again counts as it was then. */
+    p[1].again_ms = 41, p[0].again_ms = 4, p[0].again_spread = 0.5;
+    assert_int_equal(sweep_choose(&s, 40), 2);
+    assert_int_equal(sweep_choose(&s, 5), 0);
+}
+
+/* A sweep that took a slow setting for one of no time, and a fast one for one of 20 s. */
+static void a_budget_is_timed_again_before_it_is_told(void **unused)
+{
+    (void)unused;
+    enum { CHEAP, SLOW, COUNT };
+    daft_error error;
+    daft_engine_def engine_def = daft_default_engine_def();
+    daft_engine *engine = daft_engine_create(&engine_def, &error);
+    daft_scene *scene = daft_scene_create(engine, &error);
+    assert_true(daft_scene_load(scene, DAFT_ROOT "/assets/scenes/hello.scene", &error));
+    sweep_point p[COUNT] = {
+        [CHEAP] = {.quality = daft_preset_quality(DAFT_PRESET_DRAFT), .ms = 20000, .errors.flip = 0.5},
+        [SLOW] = {.quality = daft_preset_quality(DAFT_PRESET_GAME), .ms = 1e-4, .errors.flip = 0.1}};
+    p[CHEAP].on_front = p[SLOW].on_front = true;
+    p[CHEAP].same_as = p[SLOW].same_as = p[CHEAP].beaten_by = p[SLOW].beaten_by = -1;
+    p[SLOW].quality.samples = 16;
+    sweep_result s = {.points = p, .count = COUNT, .moments = 1};
+    s.def = (sweep_def){.engine = engine, .scene = scene, .view = daft_default_view(), .width = 320, .height = 200};
+    s.def.seconds = 3600, s.def.view.camera = daft_scene_camera(scene, 1);
+    assert_int_equal(sweep_choose(&s, 1e-3), SLOW);
+    assert_true(sweep_confirm(&s, 1e-3, &error));
+    assert_true(p[SLOW].again_ms > 1e-3); /* a millionth of a second: nothing keeps it */
+    assert_int_equal(sweep_choose(&s, 1e-3), -1);
+    assert_true(sweep_confirm(&s, 1e5, &error));
+    assert_int_equal(sweep_choose(&s, 1e5), SLOW);
+    assert_true(p[CHEAP].again_ms > 0 && p[CHEAP].again_ms < p[SLOW].again_ms);
+    const double between = sqrt(p[CHEAP].again_ms * p[SLOW].again_ms);
+    assert_true(sweep_confirm(&s, between, &error));
+    assert_int_equal(sweep_choose(&s, between), CHEAP);
+    s.moved_on = true; /* the game is elsewhere: what it takes there says nothing */
+    assert_true(sweep_confirm(&s, between, &error));
+    assert_true(p[CHEAP].again_ms == 0 && p[SLOW].again_ms == 0);
+    daft_scene_destroy(scene);
+    daft_engine_destroy(engine);
 }
 
 /* A game's figures are means over its moments, and the worst tile of all. */
@@ -268,6 +308,7 @@ static void a_report_holds_what_is_promised(void **unused)
     assert_status(status, 0, output);
     assert_says(output, "settings that no other beats");
     assert_says(output, "For 1000 ms: --quality");
+    assert_says(output, "timed again at the end");
     char *csv = read_report(folder, "points.csv"), *json = read_report(folder, "report.json");
     char *page = read_report(folder, "index.html");
     assert_true(strncmp(csv, "scene,knob,setting,ms,ms_spread,rmse,psnr,ssim,flip,on_front\n", 61) == 0);
@@ -276,6 +317,7 @@ static void a_report_holds_what_is_promised(void **unused)
     assert_non_null(end);
     assert_int_equal(*json_blanks(end), 0);
     assert_says(json, "\"budget_kept\":true");
+    assert_says(json, "\"ms_again\":");
     assert_says(page, "</html>");
     assert_says(page, "<svg");
     assert_says(page, "What a picture of quality game is made of");
@@ -322,8 +364,18 @@ static void time_decides_how_much_is_measured(void **unused)
     assert_true(sweep_run(&all, &def, &error));
     assert_int_equal(all.count, 1 + knob_count(def.knob));
     sweep_free(&all);
+    /* A user's own settings, whatever time there is. */
+    char text[] = "samples=4,edge_samples=0;tree=bvh";
+    knob_row own;
+    assert_true(knob_own(text, &own, &error));
+    def.seconds = 1, def.knob = &own;
+    assert_true(sweep_run(&all, &def, &error));
+    assert_int_equal(all.count, 3);
+    assert_string_equal(all.points[1].setting, "samples=4,edge_samples=0");
+    assert_true(all.points[1].quality.samples == 4 && all.points[2].ms > 0);
+    sweep_free(&all);
     /* What is held fast is so in all pictures, and not swept. */
-    def.knob = NULL, def.fixed = "shadows=off,samples=1,edge_samples=0";
+    def.seconds = 3600, def.knob = NULL, def.fixed = "shadows=off,samples=1,edge_samples=0";
     assert_true(sweep_run(&all, &def, &error));
     for (size_t i = 0; i < all.count; i++) {
         const sweep_point *p = &all.points[i];
@@ -420,6 +472,9 @@ static void bad_input_is_told_plainly(void **unused)
     } wrong[] = {{2, "cost", "SCENE|GAME is missing"},
                  {2, "cost a.scene --budget 0", "--budget: a number above 0"},
                  {2, "cost a.scene --size 4x4", "each from 16 to 1920"},
+                 {2, "cost a.scene --settings 'samples=8;samples=3'", "--settings: knob samples: '3'"},
+                 {2, "cost a.scene --settings 'samples=8;'", "--settings: a setting is empty"},
+                 {2, "cost a.scene --settings samples=8 --knob scale", "--settings: without --knob"},
                  {2, "cost a.scene --sim", "--sim: a game expected"},
                  {1, "cost nowhere.scene", "nowhere.scene"},
                  {1, "cost no_such_game", "no_such_game"},
@@ -439,6 +494,7 @@ int main(void)
     const struct CMUnitTest tests[] = {cmocka_unit_test(the_front_is_what_no_other_beats),
                                        cmocka_unit_test(what_the_halves_disagree_on_is_equal),
                                        cmocka_unit_test(a_budget_buys_the_least_error_within_it),
+                                       cmocka_unit_test(a_budget_is_timed_again_before_it_is_told),
                                        cmocka_unit_test(advice_is_options_of_daft_render),
                                        cmocka_unit_test(knobs_are_read_by_name),
                                        cmocka_unit_test(wrong_knobs_are_named),
