@@ -15,6 +15,7 @@
 typedef struct primitive {
     const daft_view_instance *view;
     uint32_t triangle; /* 0 for a sphere */
+    daft_holes *holes; /* NULL: none. They are set up by the first window that asks */
 } primitive;
 
 /* ---- single lanes that floats could not decide ---- */
@@ -149,12 +150,27 @@ DAFT_INLINE window_rows rows_of(const daft_tile_job *j, const planes *p, int y)
                          p->wy * dy + p->wz};
 }
 
+/* The lanes in holes, of those that are not hidden. */
+static __attribute__((noinline)) vbits hit_holes(daft_tile_job *j, const primitive *t, int x, int y, vbits hits)
+{
+    daft_holes *h = t->holes;
+    if (!hits || h->none) return 0;
+    if (!h->known) {
+        h->known = true, h->none = !daft_holes_make(&j->holes, t->view, t->triangle, h);
+        if (h->none) return 0;
+    }
+    return DAFT_KERNEL(daft_holes_pass)(h, x, y, hits);
+}
+
 DAFT_INLINE void draw_window(daft_tile_job *j, const planes *p, const window_rows *r, int x, int y, const primitive *t)
 {
     vf dx = vf_load(j->dx[x / DAFT_WINDOW_W]);
     vf min = vf_min(vf_min(p->nx[0] * dx + r->e[0], p->nx[1] * dx + r->e[1]), p->nx[2] * dx + r->e[2]);
     vbits hits = vbits_from_mask(vf_le(p->outer, min));
     vf w = vf_min(p->wx * dx + r->w, p->cap);
+    if (t->holes)
+        hits &= ~hit_holes(
+            j, t, x, y, hits & ~vbits_from_mask(vf_lt(w + p->error, window_load(&j->w_low[y * DAFT_TILE_STRIDE + x]))));
     offer(j, (uint32_t)(y * DAFT_TILE_STRIDE + x), t, hits, hits & ~vbits_from_mask(vf_lt(p->sure, min)), w - p->error,
           w + p->error);
 }
@@ -233,7 +249,12 @@ static void draw_all_windows(daft_tile_job *j, const daft_pencil_batch *b, int i
 
 static void draw_large(daft_tile_job *j, const daft_pencil_batch *b, int i)
 {
-    const primitive t = {&j->raster->visible[b->instance[i]], b->triangle[i]};
+    daft_holes holes;
+    primitive t = {&j->raster->visible[b->instance[i]], b->triangle[i], NULL};
+    if (j->raster->passes_holes && t.view->instance->masks) {
+        holes.known = holes.none = false;
+        t.holes = &holes;
+    }
     if (b->x1[i] - b->x0[i] >= FIND_FROM && b->y1[i] - b->y0[i] >= FIND_FROM)
         draw_found(j, b, i, &t);
     else
@@ -276,7 +297,7 @@ static void offer_hits(daft_tile_job *j, const daft_pencil_batch *b, hit_list *h
             j->tile->instance[at] = b->instance[i], j->tile->triangle[at] = b->triangle[i];
             continue;
         }
-        const primitive t = {&j->raster->visible[b->instance[i]], b->triangle[i]};
+        const primitive t = {&j->raster->visible[b->instance[i]], b->triangle[i], NULL};
         if (sure || lane_hit(j, at, &t)) lane_offer(j, at, &t, low, high);
     }
 }
@@ -446,7 +467,7 @@ DAFT_INLINE void hits_draw_as(daft_tile_job *j, bool exact, const daft_small *fr
             instance[at] = view->index, triangle[at] = from->triangle[number];
             continue;
         }
-        const primitive t = {view, from->triangle[number]};
+        const primitive t = {view, from->triangle[number], NULL};
         look_closely_at(j, (int)at, &t, sure, low, high);
     }
 }
@@ -474,7 +495,7 @@ void DAFT_KERNEL(daft_batch_draw)(daft_tile_job *j, const daft_pencil_batch *b)
  * then off by less than 2·error / max(root, sqrt(error)); z by that and a few u of the sphere's reach. */
 void DAFT_KERNEL(daft_sphere_draw)(daft_tile_job *j, const daft_view_instance *view, int x0, int x1, int y0, int y1)
 {
-    const primitive t = {view, 0};
+    const primitive t = {view, 0, NULL};
     const float *c = view->to_view.t;
     float radius = view->instance->radius, focal = j->pencil.focal;
     float reach = sqrtf(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]) + radius, limit = 32 * UNIT * reach * reach + TINY;

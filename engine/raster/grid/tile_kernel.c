@@ -132,6 +132,7 @@ static void job_begin(daft_tile_job *j, const daft_raster *raster, const daft_ti
     j->last_x = (float)(tile->width - 1), j->last_y = (float)(tile->height - 1);
     j->max_dx = fmaxf(fabsf(first.x), fabsf(first.x + j->last_x + 3));
     j->max_dy = fmaxf(fabsf(first.y), fabsf(first.y - j->last_y - 3));
+    if (raster->passes_holes) j->holes = daft_hole_view_of(raster, part, tile);
     j->exact = raster->pencil.intersection == DAFT_INTERSECT_EXACT;
     j->clips = raster->clip.some;
     for (int x = 0; x < DAFT_TILE; x += DAFT_WINDOW_W)
