@@ -65,8 +65,7 @@ static void limit_sizes(const daft_hole_view *j, double depth, daft_holes *out)
         out->least_s[DAFT_OPACITY_CLEAR + k] = (float)(least / cbrt(most * most) * WIDER);
 }
 
-/* Whether the triangle, all of it before the camera, is so long and wide in pixels that it is drawn by windows on every
- * instruction set: small and thin ones are not (raster/grid), and take few pixels. */
+/* Whether the triangle, all of it before the camera, is so long and wide in pixels that it is worth asking. */
 static bool is_large(const daft_hole_view *j, const daft_vec3 c[3])
 {
     const double focal = (double)j->focal;

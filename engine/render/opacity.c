@@ -82,10 +82,10 @@ static bool pyramid_make(const daft_allocator *allocator, const daft_texture_dat
     return all != NULL;
 }
 
-static byte_range rectangle_range(const pyramid *p, int most, int x0, int x1, int y0, int y1)
+static byte_range rectangle_range(const pyramid *p, int x0, int x1, int y0, int y1)
 {
     int level = -1;
-    for (; x1 - x0 >= most || y1 - y0 >= most; level++) {
+    for (; x1 - x0 >= ASKED || y1 - y0 >= ASKED; level++) {
         const int side = level < 0 ? CELL : 2;
         x0 /= side, x1 /= side, y0 /= side, y1 /= side;
     }
@@ -126,14 +126,14 @@ static spans spans_between(float low, float high, int size, uint32_t wrap)
     return (spans){{(int)from, 0}, {size - 1, (int)(to - n)}};
 }
 
-/* Of the texels of all spans, by `most` cells each way. */
-static byte_range spans_range(const pyramid *p, int most, const spans *x, const spans *y)
+/* Of the texels of all spans. */
+static byte_range spans_range(const pyramid *p, const spans *x, const spans *y)
 {
     byte_range r = NOTHING;
     for (int i = 0; i < 4; i++) {
         const int a = i & 1, b = i >> 1;
         if (x->to[a] >= x->from[a] && y->to[b] >= y->from[b])
-            include(&r, rectangle_range(p, most, x->from[a], x->to[a], y->from[b], y->to[b]));
+            include(&r, rectangle_range(p, x->from[a], x->to[a], y->from[b], y->to[b]));
     }
     return r;
 }
@@ -153,7 +153,7 @@ static byte_range triangle_range(const pyramid *p, const daft_surface *m, const 
     }
     const spans x = spans_between(low[0], high[0], p->texture->width[0], m->wrap),
                 y = spans_between(low[1], high[1], p->texture->height[0], m->wrap);
-    return spans_range(p, ASKED, &x, &y);
+    return spans_range(p, &x, &y);
 }
 
 /* Least and largest alpha of a triangle's vertices. */
@@ -226,8 +226,8 @@ bool daft_opacity_classify(const daft_allocator *allocator, const daft_trimesh *
 
 /* ---- masks ---- */
 
-#define MASK_SLACK 0.75f /* texels */
-enum { ASKED_OF_HOLES = 5 };
+#define MASK_SLACK 0.4f                                                      /* texels */
+enum { FARTHEST = 255 };                                                     /* cells */
 enum { LEAST_CELLS = 256 * 256, MOST_CELLS = 1024 * 1024, CELLS_EACH = 16 }; /* the last: of each triangle */
 
 /* Texels of a cell's side: one, or as many more as keep the cells few enough. */
@@ -263,38 +263,72 @@ typedef struct mask_job {
     int side;
 } mask_job;
 
-static byte_range cell_range(const mask_job *j, int column, int row, int most, float around)
+static byte_range cell_range(const mask_job *j, int column, int row)
 {
     const daft_texture_data *t = j->p->texture;
-    const spans x = spans_of_cell(column, j->side, t->width[0], around, j->surface->wrap),
-                y = spans_of_cell(row, j->side, t->height[0], around, j->surface->wrap);
-    return spans_range(j->p, most, &x, &y);
+    const spans x = spans_of_cell(column, j->side, t->width[0], MASK_SLACK, j->surface->wrap),
+                y = spans_of_cell(row, j->side, t->height[0], MASK_SLACK, j->surface->wrap);
+    return spans_range(j->p, &x, &y);
+}
+
+/* How many cells away the nearest is in which alpha is not 0 everywhere, the larger of columns and rows; 0: this one.
+ */
+typedef struct distances {
+    int columns, rows;
+    bool repeats;
+    uint8_t *cells;
+} distances;
+
+static int distance_at(const distances *d, int column, int row)
+{
+    if (d->repeats) column = (column + d->columns) % d->columns, row = (row + d->rows) % d->rows;
+    const bool within = column >= 0 && column < d->columns && row >= 0 && row < d->rows;
+    return within ? d->cells[(size_t)row * (size_t)d->columns + (size_t)column] : FARTHEST;
+}
+
+/* From the neighbours that a pass has been at: `by` 1 downwards, -1 upwards. */
+static void pass_distances(const distances *d, int by)
+{
+    for (int i = 0; i < d->rows; i++) {
+        const int row = by > 0 ? i : d->rows - 1 - i;
+        for (int k = 0; k < d->columns; k++) {
+            const int column = by > 0 ? k : d->columns - 1 - k;
+            uint8_t *own = &d->cells[(size_t)row * (size_t)d->columns + (size_t)column];
+            int least = distance_at(d, column - by, row);
+            for (int across = -1; across <= 1; across++)
+                least = daft_min_i(least, distance_at(d, column + across, row - by));
+            *own = (uint8_t)daft_min_i(*own, daft_min_i(least + 1, FARTHEST));
+        }
+    }
 }
 
 /* Filters of a pixel with 2^k texels a side read level k at most, there a texel and a half around it, or two and a half
- * where a level is not half the one before. */
-static uint32_t hole_of(const mask_job *j, int column, int row)
+ * where a level is not half the one before. The last cells of a texture that repeats may be narrower than others. */
+static uint32_t hole_of(const mask_job *j, int distance)
 {
     const daft_texture_data *t = j->p->texture;
-    const bool halves = !(t->width[0] & (t->width[0] - 1)) && !(t->height[0] & (t->height[0] - 1));
+    const int width = t->width[0], height = t->height[0], narrow = width % j->side || height % j->side;
+    const float reach = width & (width - 1) || height & (height - 1) ? 2.5f : 1.5f;
     uint32_t hole = 0;
     for (float texels = 2; hole < DAFT_MASK_HOLES; hole++, texels *= 2)
-        if (cell_range(j, column, row, ASKED_OF_HOLES, MASK_SLACK + texels * (halves ? 1.5f : 2.5f)).max > 0) break;
+        if (distance <= (int)ceilf((MASK_SLACK + texels * reach) / (float)j->side) + narrow) break;
     return hole;
 }
 
-static uint32_t cell_of(const mask_job *j, int column, int row)
+static void fill_cells(const mask_job *j, const distances *d, uint32_t *cells)
 {
-    const byte_range r = cell_range(j, column, row, ASKED, MASK_SLACK);
-    return class_of(j->surface, r, (alpha_range){1, 1}) + (r.max ? 0 : hole_of(j, column, row));
-}
-
-static void fill_cells(const mask_job *j, const daft_mask *mask, uint32_t *cells)
-{
+    const byte_range all = {0, 255};
     size_t at = 0;
-    for (int row = 0; row < mask->rows; row++)
-        for (int column = 0; column < mask->columns; column++, at++)
-            cells[at / DAFT_MASK_CELLS] |= cell_of(j, column, row) << DAFT_MASK_BITS * (at % DAFT_MASK_CELLS);
+    for (int row = 0; row < d->rows; row++)
+        for (int column = 0; column < d->columns; column++, at++) {
+            const byte_range r = j->surface->opacity > 0 ? cell_range(j, column, row) : all;
+            d->cells[at] = r.max ? 0 : FARTHEST;
+            cells[at / DAFT_MASK_CELLS] |= (uint32_t)class_of(j->surface, r, (alpha_range){1, 1})
+                                           << DAFT_MASK_BITS * (at % DAFT_MASK_CELLS);
+        }
+    for (int pass = 0; pass < (d->repeats ? 4 : 2); pass++) pass_distances(d, pass % 2 ? -1 : 1);
+    for (size_t i = 0; i < at; i++)
+        cells[i / DAFT_MASK_CELLS] += hole_of(j, d->cells[i]) << DAFT_MASK_BITS * (i % DAFT_MASK_CELLS);
 }
 
 static bool mask_make(const daft_allocator *allocator, const daft_trimesh *mesh, const daft_surface *m,
@@ -321,13 +355,18 @@ static bool mask_make(const daft_allocator *allocator, const daft_trimesh *mesh,
                        .offset_u = m->map_offset.x,
                        .offset_v = m->map_offset.y,
                        .wrap = m->wrap};
+    const distances d = {out->columns, out->rows, m->wrap == DAFT_WRAP_REPEAT,
+                         daft_alloc(allocator, (size_t)out->columns * (size_t)out->rows, 1)};
     uint32_t *cells = daft_alloc_zero(allocator, words_of(out), sizeof *cells);
-    if (!cells || !pyramid_make(allocator, t, m->alpha_channel, &p)) {
+    const bool made = cells && d.cells && pyramid_make(allocator, t, m->alpha_channel, &p);
+    if (made) {
+        fill_cells(&(mask_job){&p, m, side}, &d, cells);
+        daft_release(allocator, p.cells[0]);
+    } else {
         daft_release(allocator, cells);
-        return false;
     }
-    fill_cells(&(mask_job){&p, m, side}, out, cells);
-    daft_release(allocator, p.cells[0]);
+    daft_release(allocator, d.cells);
+    if (!made) return false;
     out->cells = cells;
     return true;
 }

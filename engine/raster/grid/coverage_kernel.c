@@ -68,6 +68,20 @@ static bool lane_hit(daft_tile_job *j, int place, const primitive *t)
     return daft_pencil_hits(corner[0], corner[1], corner[2], ray);
 }
 
+/* Of pixels one by one: hit_holes. */
+static __attribute__((noinline)) bool place_in_hole(const daft_tile_job *j, int place, const daft_view_instance *view,
+                                                    uint32_t triangle)
+{
+    daft_holes h;
+    return daft_holes_make(&j->holes, view, triangle, &h) &&
+           daft_in_hole(&h, place % DAFT_TILE_STRIDE, place / DAFT_TILE_STRIDE);
+}
+
+DAFT_INLINE bool asks_holes(const daft_tile_job *j, const daft_view_instance *view)
+{
+    return j->raster->passes_holes && view->instance->masks;
+}
+
 /* ---- windows ---- */
 
 DAFT_INLINE vf window_load(const float *p) { return vf_load_blocks(p, DAFT_TILE_STRIDE); }
@@ -251,7 +265,7 @@ static void draw_large(daft_tile_job *j, const daft_pencil_batch *b, int i)
 {
     daft_holes holes;
     primitive t = {&j->raster->visible[b->instance[i]], b->triangle[i], NULL};
-    if (j->raster->passes_holes && t.view->instance->masks) {
+    if (asks_holes(j, t.view)) {
         holes.known = holes.none = false;
         t.holes = &holes;
     }
@@ -291,13 +305,15 @@ static void offer_hits(daft_tile_job *j, const daft_pencil_batch *b, hit_list *h
         bool sure = !(hit & (uint32_t)UNSURE);
         float low = h->w[k] - b->error[i], high = h->w[k] + b->error[i];
         if (high < j->w_low[at]) continue;
+        const daft_view_instance *view = &j->raster->visible[b->instance[i]];
+        if (asks_holes(j, view) && place_in_hole(j, at, view, b->triangle[i])) continue;
         j->stale[at / DAFT_TILE_STRIDE / DAFT_CELL] |= 1u << at % DAFT_TILE_STRIDE / DAFT_CELL;
         if (__builtin_expect(sure && low > j->w_high[at], 1)) {
             j->w_low[at] = low, j->w_high[at] = high;
             j->tile->instance[at] = b->instance[i], j->tile->triangle[at] = b->triangle[i];
             continue;
         }
-        const primitive t = {&j->raster->visible[b->instance[i]], b->triangle[i], NULL};
+        const primitive t = {view, b->triangle[i], NULL};
         if (sure || lane_hit(j, at, &t)) lane_offer(j, at, &t, low, high);
     }
 }
@@ -455,11 +471,13 @@ static __attribute__((noinline)) void look_closely_at(daft_tile_job *j, int at, 
 DAFT_INLINE void hits_draw_as(daft_tile_job *j, bool exact, const daft_small *from, const daft_hits *h)
 {
     uint32_t *instance = j->tile->instance, *triangle = j->tile->triangle;
+    const bool holes = h->count && asks_holes(j, from->view);
     for (uint32_t k = 0, count = h->count; k < count; k++) {
         uint32_t hit = h->place[k], at = hit & (DAFT_HIT_UNSURE - 1), number = hit >> DAFT_HIT_TRIANGLE;
         float low = h->low[k], high = exact ? h->high[k] : low;
         if (high < j->w_low[at]) continue;
         const daft_view_instance *view = from->view;
+        if (holes && place_in_hole(j, (int)at, view, from->triangle[number])) continue;
         bool sure = !exact || !(hit & DAFT_HIT_UNSURE);
         j->stale[at / DAFT_TILE_STRIDE / DAFT_CELL] |= 1u << at % DAFT_TILE_STRIDE / DAFT_CELL;
         if (__builtin_expect(sure && low > j->w_high[at], 1)) {

@@ -706,6 +706,34 @@ static void masks_spare_rays_alone(void **unused)
     }
 }
 
+/* Holes too: by windows, thin and small triangles, and rays one by one. */
+static void holes_are_the_same_everywhere(void **unused)
+{
+    (void)unused;
+    static const char *const NAMES[] = {NULL, "plain", "sse2", "avx2", "avx512"};
+    static uint8_t first[4 * PIXELS], now[4 * PIXELS];
+    for (uint64_t seed = 100; seed < 106; seed++) {
+        int compared = 0;
+        for (int k = 0; k < 10; k++) {
+            daft_engine_def def = daft_default_engine_def();
+            def.threads = 1 + k % 3, def.isa = NAMES[k / 2], def.accel = k % 2 ? DAFT_ACCEL_KDTREE : DAFT_ACCEL_BVH;
+            daft_engine *engine = daft_engine_create(&def, NULL);
+            if (!engine) continue; /* this processor lacks it */
+            daft_engine_destroy(engine);
+            stage s = stage_with(&def);
+            fixture_seed(seed);
+            plant(&s);
+            shine(&s, DAFT_LIGHT_SUN);
+            s.view.quality.edge_samples = seed % 2 ? 4 : 0;
+            draw(&s, now);
+            if (compared++) assert_memory_equal(first, now, sizeof now);
+            memcpy(first, now, sizeof now);
+            stage_free(&s);
+        }
+        assert_true(compared >= 4);
+    }
+}
+
 /* What a triangle's class says is what the texture says: without classes the picture is the same. */
 static void classes_spare_reads_alone(void **unused)
 {
@@ -923,6 +951,7 @@ int main(void)
         cmocka_unit_test(classes_spare_reads_alone),
         cmocka_unit_test(masks_are_right),
         cmocka_unit_test(masks_spare_rays_alone),
+        cmocka_unit_test(holes_are_the_same_everywhere),
         cmocka_unit_test(rays_read_what_is_drawn),
         cmocka_unit_test(classes_follow_materials),
         cmocka_unit_test(kept_pictures_follow_leaves),
