@@ -12,6 +12,8 @@
 #include "geometry/mesh.h"
 #include "math/vec.h"
 
+#include <math.h>
+
 typedef struct daft_bvh daft_bvh;
 
 typedef struct daft_bvh_def {
@@ -67,6 +69,23 @@ typedef struct daft_mask {
     float scale_u, scale_v, offset_u, offset_v; /* of a mesh's coordinates, whose v goes up */
     uint32_t wrap;                              /* a daft_wrap */
 } daft_mask;
+
+static inline float daft_mask_wrapped(float a, uint32_t wrap)
+{
+    if (wrap == DAFT_WRAP_REPEAT) return a - floorf(a);
+    if (wrap == DAFT_WRAP_CLAMP) return fminf(fmaxf(a, 0), 1);
+    const float twice = (a * 0.5f - floorf(a * 0.5f)) * 2;
+    return fminf(twice, 2 - twice);
+}
+
+/* The cell at a place of the texture, rows from the top; raster/masks.h does the same in lanes. */
+static inline uint32_t daft_mask_cell(const daft_mask *m, float u, float v)
+{
+    const int column = (int)fminf(fmaxf(daft_mask_wrapped(u, m->wrap) * m->across, 0), (float)(m->columns - 1)),
+              row = (int)fminf(fmaxf(daft_mask_wrapped(v, m->wrap) * m->down, 0), (float)(m->rows - 1));
+    const uint32_t cell = (uint32_t)(row * m->columns + column);
+    return m->cells[cell / DAFT_MASK_CELLS] >> DAFT_MASK_BITS * (cell % DAFT_MASK_CELLS) & ((1u << DAFT_MASK_BITS) - 1);
+}
 
 /* What is drawn or hit: a mesh or, with mesh NULL, a sphere around to_frame's translation. */
 typedef struct daft_instance {

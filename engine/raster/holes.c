@@ -104,14 +104,6 @@ bool daft_holes_make(const daft_hole_view *j, const daft_view_instance *view, ui
 
 static float value_at(const float f[3], float column, float row) { return f[0] + (f[1] * column + f[2] * row); }
 
-static float wrapped(float a, uint32_t wrap)
-{
-    if (wrap == DAFT_WRAP_REPEAT) return a - floorf(a);
-    if (wrap == DAFT_WRAP_CLAMP) return fminf(fmaxf(a, 0), 1);
-    const float twice = (a * 0.5f - floorf(a * 0.5f)) * 2;
-    return fminf(twice, 2 - twice);
-}
-
 bool daft_in_hole(const daft_holes *h, int column, int row)
 {
     const daft_mask *m = h->on.mask;
@@ -120,9 +112,5 @@ bool daft_in_hole(const daft_holes *h, int column, int row)
     if (!(h->off_u + fabsf(u) * h->off_s <= h->on.left_u * size &&
           h->off_v + fabsf(v) * h->off_s <= h->on.left_v * size))
         return false;
-    const int at_x = (int)fminf(fmaxf(wrapped(u, m->wrap) * m->across, 0), (float)(m->columns - 1)),
-              at_y = (int)fminf(fmaxf(wrapped(v, m->wrap) * m->down, 0), (float)(m->rows - 1));
-    const uint32_t cell = (uint32_t)(at_y * m->columns + at_x);
-    const uint32_t word = m->cells[cell / DAFT_MASK_CELLS] >> DAFT_MASK_BITS * (cell % DAFT_MASK_CELLS);
-    return h->least_s[word & ((1 << DAFT_MASK_BITS) - 1)] <= size;
+    return h->least_s[daft_mask_cell(m, u, v)] <= size;
 }

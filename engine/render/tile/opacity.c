@@ -1,7 +1,7 @@
 /* Light that comes through surfaces with alpha (instances of DAFT_INSTANCE_FILTERS_SHADOW): each hit leaves of it what
  * the surface does not cover, and of what it covers what its material transmits. For the points of a batch and one
  * light, raster/samples finds what opacity classes and masks tell. The others send rays, which are told of all their
- * hits; the texture is read where the triangle's class does not tell. */
+ * hits; the texture is read where neither the class of the triangle nor its mask tells. */
 #include "render/tile/tile.h"
 
 #include "math/trig.h"
@@ -47,15 +47,30 @@ static float vertex_alpha(const daft_trimesh *mesh, const daft_pierced *hit)
     return a + (b - a) * hit->u + (c - a) * hit->v;
 }
 
+/* False: the texture must be read. */
+static bool mask_tells(const daft_mask *m, daft_vec2 uv, float *opacity)
+{
+    const float u = uv.x * m->scale_u + m->offset_u, v = 1 - (uv.y * m->scale_v + m->offset_v);
+    const float off_u = (1 + fabsf(u) + fabsf(m->offset_u)) * 0x1p-20f,
+                off_v = (1 + fabsf(v) + fabsf(m->offset_v)) * 0x1p-20f;
+    if (!m->cells || !(off_u <= m->slack_u && off_v <= m->slack_v)) return false;
+    const uint32_t cell = daft_mask_cell(m, u, v);
+    *opacity = cell == DAFT_OPACITY_OPAQUE;
+    return cell != DAFT_OPACITY_MIXED;
+}
+
 static float opacity_at(beam *b, const daft_instance *instance, const daft_surface *m, const daft_pierced *hit)
 {
     const daft_snapshot *s = b->j->snapshot;
     daft_vec2 uv = {0, 0};
     if (!daft_surface_blends(m)) return 1;
     if (m->maps[DAFT_MAP_ALPHA] != DAFT_NO_TEXTURE) {
-        b->reads++;
         uv = instance->mesh ? triangle_uv(instance->mesh, hit)
                             : sphere_uv(instance, daft_add(b->ray.origin, daft_scale(b->ray.direction, hit->t)));
+        const uint32_t slot = instance->mesh && instance->mesh->slots ? instance->mesh->slots[hit->triangle] : 0;
+        float told;
+        if (instance->masks && mask_tells(&instance->masks[slot], uv, &told)) return told;
+        b->reads++;
     }
     return daft_surface_opacity(m, s->textures, uv, vertex_alpha(instance->mesh, hit), s->quality.texture_filter);
 }
