@@ -12,6 +12,8 @@
 #include "geometry/mesh.h"
 #include "math/vec.h"
 
+#include <math.h>
+
 typedef struct daft_bvh daft_bvh;
 
 typedef struct daft_bvh_def {
@@ -51,6 +53,40 @@ enum {
 /* What is known of the alpha at any point of a triangle. */
 enum { DAFT_OPACITY_MIXED, DAFT_OPACITY_OPAQUE, DAFT_OPACITY_CLEAR };
 
+/* Where the alpha of one of a mesh's slots is known, for hits on its mixed triangles: a grid over the texture (Gruen,
+ * Benthin, Woop, "Sub-triangle opacity masks for faster ray tracing of transparent objects", 2020, with the grid in the
+ * texture, so that triangles share it). A cell says what all places in it and `slack_u`, `slack_v` around it have: a
+ * DAFT_OPACITY_…, as rays find it, who read the finest level; and of what is clear, where alpha is 0, how large a pixel
+ * may be that is sure to find 0 as well: DAFT_OPACITY_CLEAR + k stands for 2^k texels a side. */
+enum { DAFT_MASK_CELLS = 8, DAFT_MASK_BITS = 32 / DAFT_MASK_CELLS, DAFT_MASK_HOLES = 5 };
+typedef struct daft_mask {
+    const uint32_t *cells; /* DAFT_MASK_CELLS in a word, the first in its lowest bits; rows from the top. NULL: none, */
+    bool even;             /* and all hits let through the same; or nothing is known */
+    int columns, rows;
+    float width, height;                        /* of the texture, in texels */
+    float across, down;                         /* and in cells: the last ones may stick out */
+    float slack_u, slack_v;                     /* in widths and heights of the texture */
+    float scale_u, scale_v, offset_u, offset_v; /* of a mesh's coordinates, whose v goes up */
+    uint32_t wrap;                              /* a daft_wrap */
+} daft_mask;
+
+static inline float daft_mask_wrapped(float a, uint32_t wrap)
+{
+    if (wrap == DAFT_WRAP_REPEAT) return a - floorf(a);
+    if (wrap == DAFT_WRAP_CLAMP) return fminf(fmaxf(a, 0), 1);
+    const float twice = (a * 0.5f - floorf(a * 0.5f)) * 2;
+    return fminf(twice, 2 - twice);
+}
+
+/* The cell at a place of the texture, rows from the top; raster/masks.h does the same in lanes. */
+static inline uint32_t daft_mask_cell(const daft_mask *m, float u, float v)
+{
+    const int column = (int)fminf(fmaxf(daft_mask_wrapped(u, m->wrap) * m->across, 0), (float)(m->columns - 1)),
+              row = (int)fminf(fmaxf(daft_mask_wrapped(v, m->wrap) * m->down, 0), (float)(m->rows - 1));
+    const uint32_t cell = (uint32_t)(row * m->columns + column);
+    return m->cells[cell / DAFT_MASK_CELLS] >> DAFT_MASK_BITS * (cell % DAFT_MASK_CELLS) & ((1u << DAFT_MASK_BITS) - 1);
+}
+
 /* What is drawn or hit: a mesh or, with mesh NULL, a sphere around to_frame's translation. */
 typedef struct daft_instance {
     const daft_trimesh *mesh;
@@ -64,6 +100,7 @@ typedef struct daft_instance {
     uint32_t entity, order;    /* the caller's: only carried; the second grows along a list of instances */
     uint64_t shape;            /* of the mesh, its tree and its vertices: no others had or will have it */
     const uint8_t *opacity;    /* of each triangle, a DAFT_OPACITY_…; NULL: all are mixed */
+    const daft_mask *masks;    /* of each slot; NULL: nothing is known of mixed triangles */
     uint32_t flags;
 } daft_instance;
 

@@ -83,6 +83,9 @@ typedef struct daft_raster {
     const daft_allocator *allocator;
     daft_pencil pencil;
     daft_clip clip; /* none, unless it is set after daft_raster_begin */
+    /* Texels that a pixel's filter reads are as many each way, and what alpha leaves nothing of is looked through:
+     * places of masks that are sure to be holes are passed over. False, unless it is set after daft_raster_begin. */
+    bool passes_holes;
     const daft_instance *instances;
     uint32_t instance_count;
     int tiles_x, tiles_y, workers;
@@ -121,6 +124,15 @@ typedef struct daft_raster_kernels {
 
 const daft_raster_kernels *daft_raster_kernels_for(int isa);
 
+/* What shadow rays meet on their way through surfaces with alpha, as far as it is sure: points by their numbers. */
+enum { DAFT_MET_SURFACES = 6 };
+typedef struct daft_filtered {
+    uint32_t under[DAFT_SAMPLES_WORDS]; /* points whose ray met the bounds of something: all others meet nothing */
+    uint32_t open[DAFT_SAMPLES_WORDS];  /* those of them whose own ray must tell */
+    uint8_t count[DAFT_SAMPLES_ROOM];   /* hits on even surfaces (daft_mask.even), and their materials: */
+    uint32_t material[DAFT_MET_SURFACES][DAFT_SAMPLES_ROOM];
+} daft_filtered;
+
 /* Points against one light. */
 typedef struct daft_sample_kernels {
     size_t scratch_size; /* of a worker, at a multiple of 64 bytes */
@@ -133,9 +145,10 @@ typedef struct daft_sample_kernels {
      * where there may be more or the light is among the points. */
     uint32_t (*tints)(const daft_samples *points, const daft_apex *light, const daft_tlas *tlas,
                       const uint32_t bits[DAFT_SAMPLES_WORDS], uint32_t out[DAFT_MAX_OCCLUDERS], void *scratch);
-    /* Of the points in `bits`, those whose ray may meet the bounds of an instance with the flag. False: none does. */
-    bool (*under)(const daft_samples *points, const daft_apex *light, const daft_tlas *tlas, uint32_t flag,
-                  const uint32_t bits[DAFT_SAMPLES_WORDS], uint32_t out[DAFT_SAMPLES_WORDS], void *scratch);
+    /* Clears the bits of the points that opaque places of DAFT_INSTANCE_FILTERS_SHADOW surely hide from the light; the
+     * result, in the scratch, says what is left to do for the others. Gives the number of points under something. */
+    uint32_t (*filters)(const daft_samples *points, const daft_apex *light, const daft_tlas *tlas,
+                        uint32_t bits[DAFT_SAMPLES_WORDS], const daft_filtered **out, void *scratch);
 } daft_sample_kernels;
 
 const daft_sample_kernels *daft_sample_kernels_for(int isa);

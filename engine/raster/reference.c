@@ -3,6 +3,7 @@
  * large. */
 #include "accel/kdtree.h"
 #include "math/exact.h"
+#include "raster/holes.h"
 #include "raster/raster.h"
 
 typedef struct double_ray {
@@ -12,6 +13,8 @@ typedef struct double_ray {
 typedef struct best {
     double z;
     uint32_t instance, triangle;
+    const daft_hole_view *holes; /* NULL: they are not passed over */
+    int column, row;             /* of the ray, in the tile */
 } best;
 
 static double_ray ray_setup(daft_dvec3 origin, daft_dvec3 direction)
@@ -45,14 +48,21 @@ static void offer(best *nearest, double z, uint32_t instance, uint32_t triangle)
     bool wins = z < nearest->z ||
                 (z == nearest->z &&
                  (instance < nearest->instance || (instance == nearest->instance && triangle < nearest->triangle)));
-    if (wins) *nearest = (best){z, instance, triangle};
+    if (wins) nearest->z = z, nearest->instance = instance, nearest->triangle = triangle;
+}
+
+static bool passes_hole(const daft_view_instance *view, uint32_t triangle, const best *nearest)
+{
+    daft_holes holes;
+    return nearest->holes && view->instance->masks && daft_holes_make(nearest->holes, view, triangle, &holes) &&
+           daft_in_hole(&holes, nearest->column, nearest->row);
 }
 
 static void test_triangle(const daft_view_instance *view, uint32_t triangle, daft_vec3 ray, best *nearest)
 {
     daft_vec3 c[3];
     daft_view_corners(view, triangle, c);
-    if (!daft_pencil_hits(c[0], c[1], c[2], ray)) return;
+    if (!daft_pencil_hits(c[0], c[1], c[2], ray) || passes_hole(view, triangle, nearest)) return;
     offer(nearest, daft_pencil_depth(c[0], c[1], c[2], ray), view->index, triangle);
 }
 
@@ -172,9 +182,8 @@ static double largest(const daft_node *node, int child)
     return max;
 }
 
-static best trace(const daft_raster *raster, const daft_tlas *tlas, daft_vec3 ray)
+static best trace(const daft_raster *raster, const daft_tlas *tlas, daft_vec3 ray, best nearest)
 {
-    best nearest = {INFINITY, DAFT_NOTHING, 0};
     if (tlas->nodes.count == 0) return nearest;
     const daft_pencil *p = &raster->pencil;
     daft_dvec3 direction = daft_dadd(daft_dscale(daft_to_double(p->right), (double)ray.x),
@@ -205,11 +214,16 @@ void daft_reference_tile(const daft_raster *raster, const daft_tlas *tlas, uint3
 {
     const daft_pencil pencil = daft_part_pencil(&raster->pencil, part);
     daft_tile_place(raster, tile, part, out);
+    const daft_hole_view holes = daft_hole_view_of(raster, part, out);
     for (int row = 0; row < out->height; row++) {
         for (int column = 0; column < out->width; column++) {
-            best nearest = {INFINITY, DAFT_NOTHING, 0};
+            best nearest = {.z = INFINITY,
+                            .instance = DAFT_NOTHING,
+                            .holes = raster->passes_holes ? &holes : NULL,
+                            .column = column,
+                            .row = row};
             if (!part || (part->asked[row] >> column & 1))
-                nearest = trace(raster, tlas, daft_pencil_ray(&pencil, out->x + column, out->y + row));
+                nearest = trace(raster, tlas, daft_pencil_ray(&pencil, out->x + column, out->y + row), nearest);
             int at = row * DAFT_TILE_STRIDE + column;
             out->instance[at] = nearest.instance;
             out->triangle[at] = nearest.triangle;

@@ -31,7 +31,7 @@
  * reference path (daft_reference_tile), whatever the instruction set, threads or order of work.
  *
  * Public headers: view.h raster.h
- * Inner headers: triangles.h boxes.h */
+ * Inner headers: triangles.h boxes.h holes.h masks.h */
 #ifndef DAFT_VIEW_H
 #define DAFT_VIEW_H
 

@@ -260,6 +260,8 @@ static bool render_sample(daft_frame *frame, daft_counters *counters, daft_error
     daft_parallel_for(r->threads, r->raster.work_count, bin_task, frame);
     if (out_of_memory(r)) return daft_fail_memory(error, "the visible triangles");
     daft_plan_narrow(&frame->plan, s, &r->raster);
+    r->raster.passes_holes = frame->plan.refracts && !daft_filter_is_anisotropic(frame->texture_filter) &&
+                             !daft_filter_is_anisotropic(s->quality.texture_filter);
     if (!prepare_refractions(frame, error) || !prepare_tree(frame, error) || !daft_media_prepare(frame, error) ||
         !daft_mirrors_prepare(frame, error))
         return false;

@@ -147,6 +147,12 @@ typedef struct daft_frame_target {
  * memory is out. */
 bool daft_opacity_classify(const daft_allocator *allocator, const daft_trimesh *mesh, const daft_surface *surfaces,
                            const uint32_t *materials, const daft_texture_data *textures, uint8_t *out);
+/* And what masks say of their mixed triangles' places: one for each slot, into `out`. The cells are as many as the mesh
+ * has use for; daft_masks_free frees them. False: memory is out, and nothing is to be freed. */
+bool daft_masks_make(const daft_allocator *allocator, const daft_trimesh *mesh, const daft_surface *surfaces,
+                     const uint32_t *materials, const daft_texture_data *textures, daft_mask *out);
+void daft_masks_free(const daft_allocator *allocator, daft_mask *masks, uint32_t count);
+size_t daft_masks_bytes(const daft_mask *masks, uint32_t count);
 
 daft_renderer *daft_renderer_create(const daft_allocator *allocator, int threads, int isa, daft_error *error);
 void daft_renderer_destroy(daft_renderer *renderer);

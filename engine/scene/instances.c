@@ -266,6 +266,7 @@ static void place_entity(const maker *m, uint32_t i)
     instance->materials = materials_of(m, item, shape);
     const daft_opacity_set *opacity = m->opacity ? m->opacity[i] : NULL;
     instance->opacity = opacity ? opacity->classes : NULL;
+    instance->masks = opacity ? opacity->masks : NULL;
     instance->flags = flags_of(scene, item, instance, opacity);
 }
 

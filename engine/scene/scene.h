@@ -58,7 +58,9 @@ typedef struct daft_opacity_set {
     uint64_t key, shown; /* by a hash of the materials; scene->walk of the picture that showed it last */
     uint64_t textures;   /* of which it is made: a bit of each revision, modulo 64 */
     uint32_t flags;      /* of instances: how it casts shadows */
-    uint8_t classes[];   /* DAFT_OPACITY_… */
+    uint32_t slots;      /* of the mesh: */
+    daft_mask *masks;    /* behind the classes; NULL: no triangle is mixed */
+    uint8_t *classes;    /* DAFT_OPACITY_…, of each triangle; behind this */
 } daft_opacity_set;
 
 typedef struct daft_glow daft_glow;

@@ -15,6 +15,7 @@
 typedef struct primitive {
     const daft_view_instance *view;
     uint32_t triangle; /* 0 for a sphere */
+    daft_holes *holes; /* NULL: none. They are set up by the first window that asks */
 } primitive;
 
 /* ---- single lanes that floats could not decide ---- */
@@ -65,6 +66,20 @@ static bool lane_hit(daft_tile_job *j, int place, const primitive *t)
     daft_view_corners(t->view, t->triangle, corner);
     j->counters->exact_edges++;
     return daft_pencil_hits(corner[0], corner[1], corner[2], ray);
+}
+
+/* Of pixels one by one: hit_holes. */
+static __attribute__((noinline)) bool place_in_hole(const daft_tile_job *j, int place, const daft_view_instance *view,
+                                                    uint32_t triangle)
+{
+    daft_holes h;
+    return daft_holes_make(&j->holes, view, triangle, &h) &&
+           daft_in_hole(&h, place % DAFT_TILE_STRIDE, place / DAFT_TILE_STRIDE);
+}
+
+DAFT_INLINE bool asks_holes(const daft_tile_job *j, const daft_view_instance *view)
+{
+    return j->raster->passes_holes && view->instance->masks;
 }
 
 /* ---- windows ---- */
@@ -149,12 +164,27 @@ DAFT_INLINE window_rows rows_of(const daft_tile_job *j, const planes *p, int y)
                          p->wy * dy + p->wz};
 }
 
+/* The lanes in holes, of those that are not hidden. */
+static __attribute__((noinline)) vbits hit_holes(daft_tile_job *j, const primitive *t, int x, int y, vbits hits)
+{
+    daft_holes *h = t->holes;
+    if (!hits || h->none) return 0;
+    if (!h->known) {
+        h->known = true, h->none = !daft_holes_make(&j->holes, t->view, t->triangle, h);
+        if (h->none) return 0;
+    }
+    return DAFT_KERNEL(daft_holes_pass)(h, x, y, hits);
+}
+
 DAFT_INLINE void draw_window(daft_tile_job *j, const planes *p, const window_rows *r, int x, int y, const primitive *t)
 {
     vf dx = vf_load(j->dx[y & j->rows][x / DAFT_WINDOW_W]);
     vf min = vf_min(vf_min(p->nx[0] * dx + r->e[0], p->nx[1] * dx + r->e[1]), p->nx[2] * dx + r->e[2]);
     vbits hits = vbits_from_mask(vf_le(p->outer, min));
     vf w = vf_min(p->wx * dx + r->w, p->cap);
+    if (t->holes)
+        hits &= ~hit_holes(
+            j, t, x, y, hits & ~vbits_from_mask(vf_lt(w + p->error, window_load(&j->w_low[y * DAFT_TILE_STRIDE + x]))));
     offer(j, (uint32_t)(y * DAFT_TILE_STRIDE + x), t, hits, hits & ~vbits_from_mask(vf_lt(p->sure, min)), w - p->error,
           w + p->error);
 }
@@ -234,7 +264,12 @@ static void draw_all_windows(daft_tile_job *j, const daft_pencil_batch *b, int i
 
 static void draw_large(daft_tile_job *j, const daft_pencil_batch *b, int i)
 {
-    const primitive t = {&j->raster->visible[b->instance[i]], b->triangle[i]};
+    daft_holes holes;
+    primitive t = {&j->raster->visible[b->instance[i]], b->triangle[i], NULL};
+    if (asks_holes(j, t.view)) {
+        holes.known = holes.none = false;
+        t.holes = &holes;
+    }
     if (b->x1[i] - b->x0[i] >= FIND_FROM && b->y1[i] - b->y0[i] >= FIND_FROM)
         draw_found(j, b, i, &t);
     else
@@ -271,13 +306,15 @@ static void offer_hits(daft_tile_job *j, const daft_pencil_batch *b, hit_list *h
         bool sure = !(hit & (uint32_t)UNSURE);
         float low = h->w[k] - b->error[i], high = h->w[k] + b->error[i];
         if (high < j->w_low[at]) continue;
+        const daft_view_instance *view = &j->raster->visible[b->instance[i]];
+        if (asks_holes(j, view) && place_in_hole(j, at, view, b->triangle[i])) continue;
         j->stale[at / DAFT_TILE_STRIDE / DAFT_CELL] |= 1u << at % DAFT_TILE_STRIDE / DAFT_CELL;
         if (__builtin_expect(sure && low > j->w_high[at], 1)) {
             j->w_low[at] = low, j->w_high[at] = high;
             j->tile->instance[at] = b->instance[i], j->tile->triangle[at] = b->triangle[i];
             continue;
         }
-        const primitive t = {&j->raster->visible[b->instance[i]], b->triangle[i]};
+        const primitive t = {view, b->triangle[i], NULL};
         if (sure || lane_hit(j, at, &t)) lane_offer(j, at, &t, low, high);
     }
 }
@@ -439,11 +476,13 @@ static __attribute__((noinline)) void look_closely_at(daft_tile_job *j, int at, 
 DAFT_INLINE void hits_draw_as(daft_tile_job *j, bool exact, const daft_small *from, const daft_hits *h)
 {
     uint32_t *instance = j->tile->instance, *triangle = j->tile->triangle;
+    const bool holes = h->count && asks_holes(j, from->view);
     for (uint32_t k = 0, count = h->count; k < count; k++) {
         uint32_t hit = h->place[k], at = hit & (DAFT_HIT_UNSURE - 1), number = hit >> DAFT_HIT_TRIANGLE;
         float low = h->low[k], high = exact ? h->high[k] : low;
         if (high < j->w_low[at]) continue;
         const daft_view_instance *view = from->view;
+        if (holes && place_in_hole(j, (int)at, view, from->triangle[number])) continue;
         bool sure = !exact || !(hit & DAFT_HIT_UNSURE);
         j->stale[at / DAFT_TILE_STRIDE / DAFT_CELL] |= 1u << at % DAFT_TILE_STRIDE / DAFT_CELL;
         if (__builtin_expect(sure && low > j->w_high[at], 1)) {
@@ -451,7 +490,7 @@ DAFT_INLINE void hits_draw_as(daft_tile_job *j, bool exact, const daft_small *fr
             instance[at] = view->index, triangle[at] = from->triangle[number];
             continue;
         }
-        const primitive t = {view, from->triangle[number]};
+        const primitive t = {view, from->triangle[number], NULL};
         look_closely_at(j, (int)at, &t, sure, low, high);
     }
 }
@@ -479,7 +518,7 @@ void DAFT_KERNEL(daft_batch_draw)(daft_tile_job *j, const daft_pencil_batch *b)
  * then off by less than 2·error / max(root, sqrt(error)); z by that and a few u of the sphere's reach. */
 void DAFT_KERNEL(daft_sphere_draw)(daft_tile_job *j, const daft_view_instance *view, int x0, int x1, int y0, int y1)
 {
-    const primitive t = {view, 0};
+    const primitive t = {view, 0, NULL};
     const float *c = view->to_view.t;
     float radius = view->instance->radius, focal = j->pencil.focal;
     float reach = sqrtf(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]) + radius, limit = 32 * UNIT * reach * reach + TINY;

@@ -21,6 +21,7 @@
 DAFT_KERNEL_DECLARE(daft_raster_kernels, daft_raster);
 
 #ifdef DAFT_ISA
+#include "raster/masks.h"
 #include "raster/triangles.h"
 
 enum {
@@ -44,6 +45,7 @@ typedef struct daft_tile_job {
     float max_dx, max_dy; /* of any ray in the tile */
     float spread, slack;  /* pixels that rays lie from their pixels' places; this and DAFT_SCREEN_SLACK */
     bool exact;
+    daft_hole_view holes; /* where the raster passes holes */
     bool clips;    /* the raster has a plane: */
     float clip[4]; /* its normal, and how far along it what is seen of the running instance begins */
     _Alignas(64) float dx[4][DAFT_TILE / DAFT_WINDOW_W][DAFT_VL]; /* of the rays of windows, by row and column */
@@ -143,6 +145,9 @@ void DAFT_KERNEL(daft_hits_draw)(daft_tile_job *job, daft_small *from, daft_hits
 void DAFT_KERNEL(daft_batch_draw)(daft_tile_job *job, const daft_pencil_batch *batch);
 /* The pixels x0..x1, y0..y1 of the tile against a sphere. */
 void DAFT_KERNEL(daft_sphere_draw)(daft_tile_job *job, const daft_view_instance *view, int x0, int x1, int y0, int y1);
+
+/* holes_kernel.c. Of a window's lanes `hits`, those that are in a hole. */
+vbits DAFT_KERNEL(daft_holes_pass)(const daft_holes *h, int x, int y, vbits hits);
 
 /* The lanes that the plane leaves out; a NaN stays in. */
 DAFT_INLINE vbits clipped(const float clip[4], const vf3 corner[3])

@@ -134,6 +134,7 @@ static void job_begin(daft_tile_job *j, const daft_raster *raster, const daft_ti
     j->last_x = (float)(tile->width - 1), j->last_y = (float)(tile->height - 1);
     j->max_dx = fmaxf(fabsf(j->left), fabsf(j->left + j->last_x + 3)) + j->spread;
     j->max_dy = fmaxf(fabsf(j->top), fabsf(j->top - j->last_y - 3)) + j->spread;
+    if (raster->passes_holes) j->holes = daft_hole_view_of(raster, part, tile);
     j->exact = raster->pencil.intersection == DAFT_INTERSECT_EXACT;
     j->clips = raster->clip.some;
     const vf middle = vf_set(1.5f), by = vf_set(turn);

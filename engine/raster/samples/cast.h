@@ -13,8 +13,9 @@ typedef struct cast {
     const daft_samples *samples;
     const daft_apex *light;
     const daft_tlas *tlas;
-    uint32_t flag, only;   /* of the occluders; the only one, or DAFT_NOTHING */
-    const uint32_t *asked; /* bits of the points */
+    uint32_t flag, only;     /* of the occluders; the only one, or DAFT_NOTHING */
+    const uint32_t *asked;   /* bits of the points */
+    daft_filtered *filtered; /* NULL: the occluders are opaque */
     light_view view;
     picture_map frame_map; /* frame space to view space */
     daft_vec3 low, high;   /* of the points, in frame space */

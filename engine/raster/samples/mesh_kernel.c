@@ -64,11 +64,6 @@ DAFT_INLINE vbits triangles_before(const lanes *t, const shadow_points *p, uint3
     return vbits_from_mask(vm_and(vm_and(u, v), vf_le(vf_load(t->near), vf_set(p->far[b]))));
 }
 
-/* A triangle's edges at some points' rays. */
-typedef struct edges {
-    vf e0, e1, e2, min, max;
-} edges;
-
 DAFT_INLINE vf edge_at(const lanes *t, int k, int i, vf3 d)
 {
     return vf_set(t->nx[k][i]) * d.x + vf_set(t->ny[k][i]) * d.y + vf_set(t->nz[k][i]) * d.z;
@@ -104,8 +99,8 @@ DAFT_INLINE vm points_beyond(const lanes *t, int i, const some_points *p)
 
 /* Of points that the triangle may hide, puts those that it does to depth -inf; gives whether there are any. An overflow
  * gives NaN, which is in front of nothing. */
-static bool hide_points(const mesh_occluder *m, const lanes *t, int i, const daft_block *block, const edges *e, vm side,
-                        uint32_t first)
+static bool hide_points(const mesh_occluder *m, const lanes *t, int i, const daft_block *block, const triangle_edges *e,
+                        vm side, uint32_t first)
 {
     const occluder *c = &m->c;
     shadow_points *p = c->points;
@@ -175,9 +170,9 @@ static void pairs_in_box(const lanes *t, const shadow_points *p, pairs *list)
     list->count = kept;
 }
 
-DAFT_INLINE edges edges_of(const lanes *t, int i, const some_points *p)
+DAFT_INLINE triangle_edges edges_of(const lanes *t, int i, const some_points *p)
 {
-    edges e = {.e0 = edge_at(t, 0, i, p->ray), .e1 = edge_at(t, 1, i, p->ray), .e2 = edge_at(t, 2, i, p->ray)};
+    triangle_edges e = {.e0 = edge_at(t, 0, i, p->ray), .e1 = edge_at(t, 1, i, p->ray), .e2 = edge_at(t, 2, i, p->ray)};
     e.min = vf_min(e.e0, vf_min(e.e1, e.e2)), e.max = vf_max(e.e0, vf_max(e.e1, e.e2));
     return e;
 }
@@ -192,7 +187,7 @@ static void pairs_in_edges(const lanes *t, const shadow_points *p, pairs *list)
         vf wide = vf_set(t->wide[i]);
         for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL) {
             const some_points some = points_load(p, b * SHADOW_BLOCK + k);
-            const edges e = edges_of(t, i, &some);
+            const triangle_edges e = edges_of(t, i, &some);
             points |= vbits_from_mask(vm_or(vf_le(-wide, e.min), vf_le(e.max, wide))) << k;
         }
         points &= list->pair[n] >> PAIR_POINTS;
@@ -212,11 +207,23 @@ static void pairs_hide(const mesh_occluder *m, const lanes *t, const leaf *const
         for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL) {
             vm side = vm_from_bits(points >> k & DAFT_ALL_LANES);
             const some_points some = points_load(p, b * SHADOW_BLOCK + k);
-            const edges e = edges_of(t, i, &some);
-            changed |= hide_points(m, t, i, leaves[i / DAFT_BLOCK]->block, &e, side, b * SHADOW_BLOCK + k);
+            const triangle_edges e = edges_of(t, i, &some);
+            if (m->c.filtered)
+                changed |= DAFT_KERNEL(daft_filter_points)(m, t, i, &e, vbits_from_mask(side), b * SHADOW_BLOCK + k);
+            else
+                changed |= hide_points(m, t, i, leaves[i / DAFT_BLOCK]->block, &e, side, b * SHADOW_BLOCK + k);
         }
         if (changed) block_darkened(p, b);
     }
+}
+
+/* Those of the triangles that let everything through. */
+static vbits clear_lanes(const daft_instance *s, const lanes *t, vbits live)
+{
+    vbits clear = 0;
+    for (vbits left = s->opacity ? live : 0; left; left &= left - 1)
+        if (s->opacity[t->triangle[__builtin_ctz(left)]] == DAFT_OPACITY_CLEAR) clear |= left & -left;
+    return clear;
 }
 
 /* `count` of the leaves' blocks are real. */
@@ -228,6 +235,7 @@ static void test_leaves(const mesh_occluder *m, const leaf *const *leaves, uint3
     block_set behind = {{0}};
     lanes_place(m, &moved, &t);
     vbits live = lanes_name(leaves, count, &t) & lanes_met(m, &moved, &t);
+    if (live && m->c.filtered) live &= ~clear_lanes(m->c.instance, &t, live);
     if (!live) return;
     for (uint32_t k = 0; k < DAFT_VL / 4; k++)
         for (uint32_t word = 0; word < DAFT_COUNT_OF(behind.bits); word++)
@@ -305,7 +313,7 @@ void DAFT_KERNEL(daft_mesh_shadow_of)(const occluder *c, const block_points *poi
     uint32_t all = 0;
     for (uint32_t i = 0; i < count; i++) all += (uint32_t)__builtin_popcount(points[i].points);
     DAFT_KERNEL(daft_mesh_occluder_make)(c, &m);
-    if (all <= FEW_OF_MESH) {
+    if (all <= FEW_OF_MESH && !c->filtered) {
         DAFT_KERNEL(daft_few_shadow)(&m, points, count);
         return;
     }

@@ -39,15 +39,30 @@ static occluder occluder_of(const cast *c, uint32_t number, shadow_points *point
                       .samples = c->samples,
                       .instance = s,
                       .number = number,
-                      .convex = s->flags & DAFT_INSTANCE_CONVEX,
+                      .convex = !c->filtered && s->flags & DAFT_INSTANCE_CONVEX,
                       .flat = is_flat(s),
-                      .points = points};
+                      .points = points,
+                      .filtered = c->filtered};
+}
+
+/* Of spheres with alpha nothing is known before rays meet them. */
+static void leave_blocks_open(const occluder *one, const block_set *behind)
+{
+    const shadow_points *p = one->points;
+    for (uint32_t word = 0; word < DAFT_COUNT_OF(behind->bits); word++)
+        for (uint64_t left = behind->bits[word]; left; left &= left - 1) {
+            const uint32_t b = word * 64 + (uint32_t)__builtin_ctzll(left);
+            for (uint32_t in = lit_points(p, b); in; in &= in - 1)
+                leave_open(one, p->source[b * SHADOW_BLOCK + (uint32_t)__builtin_ctz(in)]);
+        }
 }
 
 static void cast_one(const occluder *one, const block_set *behind)
 {
     if (one->instance->mesh)
         DAFT_KERNEL(daft_mesh_shadow)(one, behind);
+    else if (one->filtered)
+        leave_blocks_open(one, behind);
     else
         DAFT_KERNEL(daft_sphere_occluder_shadow)(one, behind);
 }
@@ -126,6 +141,7 @@ typedef struct mesh_queue {
 typedef struct light_scratch {
     cast cast;
     shadow_points points;
+    daft_filtered filtered;
     block_scratch blocks;
     met_instances met;
     mesh_queue mesh_queue;
@@ -169,8 +185,7 @@ static void cast_met(cast *c, met_instances *met, mesh_queue *list, shadow_point
             continue;
         }
         DAFT_KERNEL(daft_sphere_occluder_box)(&c->view, one.instance, &met->box[i]);
-        if (mark_behind(c, &one, &met->box[i], &met->behind[i]))
-            DAFT_KERNEL(daft_sphere_occluder_shadow)(&one, &met->behind[i]);
+        if (mark_behind(c, &one, &met->box[i], &met->behind[i])) cast_one(&one, &met->behind[i]);
     }
     met->count = 0;
 }
@@ -217,6 +232,16 @@ static void cast_all(cast *c, light_scratch *scratch)
     cast_queued(c, list, points);
 }
 
+/* The points under something, by their places in the batch. */
+static void add_under(const shadow_points *p, uint32_t *under)
+{
+    for (uint32_t b = 0; b < p->count; b++)
+        for (uint32_t in = p->under[b]; in; in &= in - 1) {
+            const uint32_t at = p->source[b * SHADOW_BLOCK + (uint32_t)__builtin_ctz(in)];
+            under[at / 32] |= (uint32_t)1 << (at % 32);
+        }
+}
+
 /* The asked points form one pencil, whose light's axes and extent are set. Gives the number of points under something.
  */
 static uint32_t cast_pencil(light_scratch *scratch, uint32_t *bits)
@@ -229,6 +254,8 @@ static uint32_t cast_pencil(light_scratch *scratch, uint32_t *bits)
     if (few) {
         for (uint32_t word = 0; word < DAFT_SAMPLES_WORDS; word++)
             count += (uint32_t)__builtin_popcount(c->under[word]);
+        for (uint32_t word = 0; c->filtered && word < DAFT_SAMPLES_WORDS; word++)
+            c->filtered->under[word] |= c->under[word];
     }
     if (few && c->occluder_count == 0) return count;
     DAFT_KERNEL(daft_shadow_blocks)
@@ -239,6 +266,7 @@ static uint32_t cast_pencil(light_scratch *scratch, uint32_t *bits)
     } else {
         cast_all(c, scratch);
         for (uint32_t b = 0; b < points->count; b++) count += (uint32_t)__builtin_popcount(points->under[b]);
+        if (c->filtered) add_under(points, c->filtered->under);
     }
     DAFT_KERNEL(daft_shadow_dark)(points, bits);
     return count;
@@ -289,6 +317,7 @@ static bool cast_begin(cast *c, const daft_samples *points, const daft_apex *lig
                        const uint32_t *bits)
 {
     c->samples = points, c->light = light, c->tlas = tlas, c->asked = bits, c->inverses_known = false;
+    c->filtered = NULL;
     uint32_t any = 0;
     for (uint32_t word = 0; word < DAFT_SAMPLES_WORDS; word++) any |= bits[word];
     if (tlas->nodes.count == 0 || !any) return false;
@@ -331,20 +360,21 @@ static uint32_t tints(const daft_samples *points, const daft_apex *light, const 
     return c->occluder_count;
 }
 
-static bool under(const daft_samples *points, const daft_apex *light, const daft_tlas *tlas, uint32_t flag,
-                  const uint32_t bits[DAFT_SAMPLES_WORDS], uint32_t out[DAFT_SAMPLES_WORDS], void *memory)
+static uint32_t filters(const daft_samples *points, const daft_apex *light, const daft_tlas *tlas,
+                        uint32_t bits[DAFT_SAMPLES_WORDS], const daft_filtered **out, void *memory)
 {
-    cast *c = &((light_scratch *)memory)->cast;
-    uint32_t any = 0;
-    c->flag = flag, c->only = DAFT_NOTHING;
-    if (!cast_begin(c, points, light, tlas, bits)) return false;
-    memcpy(out, bits, DAFT_SAMPLES_WORDS * sizeof out[0]);
-    if (!cast_setup(c)) return true;
-    c->frame_map = view_map_of(&c->view, c->tlas->nodes.items);
-    if (!DAFT_KERNEL(daft_cast_find_occluders)(c, DAFT_MAX_OCCLUDERS, UINT32_MAX)) return true;
-    for (uint32_t word = 0; word < DAFT_SAMPLES_WORDS; word++) any |= out[word] = c->under[word];
-    return any != 0;
+    light_scratch *scratch = memory;
+    cast *c = &scratch->cast;
+    daft_filtered *f = &scratch->filtered;
+    *out = f;
+    c->flag = DAFT_INSTANCE_FILTERS_SHADOW, c->only = DAFT_NOTHING;
+    if (!cast_begin(c, points, light, tlas, bits)) return 0;
+    memset(f->under, 0, sizeof f->under), memset(f->open, 0, sizeof f->open), memset(f->count, 0, sizeof f->count);
+    c->filtered = f;
+    const uint32_t count = cast_setup(c) ? cast_pencil(scratch, bits) : cast_faces(scratch, bits);
+    c->filtered = NULL;
+    return count;
 }
 
 const daft_sample_kernels DAFT_KERNEL(daft_samples) = {
-    .scratch_size = (sizeof(light_scratch) + 63) / 64 * 64, .shadows = shadows, .tints = tints, .under = under};
+    .scratch_size = (sizeof(light_scratch) + 63) / 64 * 64, .shadows = shadows, .tints = tints, .filters = filters};

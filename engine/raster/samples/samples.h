@@ -12,6 +12,7 @@
  *     map_kernel.c        a mesh's map to view space and back, with its errors
  *     setup.h             triangles moved, their boxes, planes of edges, their own planes
  *     sphere_kernel.c     spheres
+ *     filter_kernel.c     triangles with alpha: what of them is known before blocks
  *
  * Public headers: samples.h */
 #ifndef DAFT_SAMPLES_H
@@ -321,6 +322,7 @@ typedef struct occluder {
     uint32_t number; /* of the instance */
     bool convex, flat;
     shadow_points *points;
+    daft_filtered *filtered; /* NULL: it is opaque; else it has alpha, and what is not sure goes there */
 } occluder;
 
 /* The lanes whose point lies on this very triangle, or on this convex instance. */
@@ -357,6 +359,12 @@ DAFT_INLINE void block_darkened(shadow_points *p, uint32_t b)
     if (vbits_from_mask(vf_lt(vf_set(-INFINITY), max)) || p->low_u[b] > p->high_u[b]) return;
     p->low_u[b] = INFINITY, p->high_u[b] = -INFINITY;
     p->live--;
+}
+
+/* The point's own ray must tell what it meets. */
+DAFT_INLINE void leave_open(const occluder *c, uint32_t source)
+{
+    c->filtered->open[source / 32] |= (uint32_t)1 << (source % 32);
 }
 
 /* Puts the points that the instance hides from the light to depth -inf; only those of the blocks behind its bounds. */

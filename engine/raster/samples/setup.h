@@ -19,6 +19,12 @@ typedef struct mesh_occluder {
 void DAFT_KERNEL(daft_mesh_occluder_make)(const occluder *c, mesh_occluder *out);
 /* Puts the points to depth -inf that triangles of the mesh hide. Points go there one by one, so this is for few. */
 void DAFT_KERNEL(daft_few_shadow)(const mesh_occluder *m, const block_points *points, uint32_t count);
+/* Points that a triangle with alpha may hide, by their bits in `side`, `e` being their rays' edges: those that it
+ * surely hides go to depth -inf. Gives whether there are any. */
+typedef struct triangle_edges triangle_edges;
+typedef struct lanes lanes;
+bool DAFT_KERNEL(daft_filter_points)(const mesh_occluder *m, const lanes *t, int lane, const triangle_edges *e,
+                                     vbits side, uint32_t first);
 /* Whether the triangle, closed, stands between the point and the light, by frame space's own numbers. */
 bool DAFT_KERNEL(daft_stands_between)(const occluder *c, const daft_block *block, int lane, uint32_t point);
 
@@ -62,13 +68,19 @@ DAFT_INLINE vf inverse_of(vf direction) { return vf_max(vf_min(vf_set(1) / direc
 
 /* Triangles set up: edges' planes, corners' depths, their boxes in the picture, and their own planes: the light is on
  * the side where a point's product with `plane` is less than `surface`. */
-typedef struct lanes {
+struct lanes {
     float nx[3][DAFT_VL], ny[3][DAFT_VL], nz[3][DAFT_VL], depth[3][DAFT_VL];
     float plane[3][DAFT_VL], surface[DAFT_VL];
     float bound[DAFT_VL], wide[DAFT_VL], slack[DAFT_VL], rounding[DAFT_VL];
+    float apart[DAFT_VL]; /* edges further off than this are so to rays in other spaces, too */
     float low_u[DAFT_VL], high_u[DAFT_VL], low_v[DAFT_VL], high_v[DAFT_VL], near[DAFT_VL];
     uint32_t triangle[DAFT_VL];
-} lanes;
+};
+
+/* A triangle's edges at some points' rays. */
+struct triangle_edges {
+    vf e0, e1, e2, min, max;
+};
 
 DAFT_INLINE view_corners corners_move(const mesh_occluder *c, const leaf *const *leaves)
 {
@@ -225,6 +237,7 @@ DAFT_INLINE void lanes_setup(const mesh_occluder *c, const view_corners *t, bool
     wide = bound + wide * vf_set(8 * UNIT);
     vf_store(out->bound, bound);
     vf_store(out->wide, wide);
+    vf_store(out->apart, vf_set(2) * wide + across * vf_set(l->reach * 16 * UNIT));
     vf_store(out->slack, vf_set(6) * wide * (farthest_depth(t) - nearest_depth(t)));
     vf_store(out->rounding, size * vf_set(0x1p-20f));
 }

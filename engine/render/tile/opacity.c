@@ -1,6 +1,7 @@
-/* Light that comes through surfaces with alpha. Each shadow ray is told of all its hits with the instances that have
- * some (DAFT_INSTANCE_FILTERS_SHADOW); a hit leaves of the light what the surface does not cover, and of what it covers
- * what its material transmits. The texture is read where the triangle's opacity class does not tell. */
+/* Light that comes through surfaces with alpha (instances of DAFT_INSTANCE_FILTERS_SHADOW): each hit leaves of it what
+ * the surface does not cover, and of what it covers what its material transmits. For the points of a batch and one
+ * light, raster/samples finds what opacity classes and masks tell. The others send rays, which are told of all their
+ * hits; the texture is read where neither the class of the triangle nor its mask tells. */
 #include "render/tile/tile.h"
 
 #include "math/trig.h"
@@ -46,17 +47,40 @@ static float vertex_alpha(const daft_trimesh *mesh, const daft_pierced *hit)
     return a + (b - a) * hit->u + (c - a) * hit->v;
 }
 
+/* False: the texture must be read. */
+static bool mask_tells(const daft_mask *m, daft_vec2 uv, float *opacity)
+{
+    const float u = uv.x * m->scale_u + m->offset_u, v = 1 - (uv.y * m->scale_v + m->offset_v);
+    const float off_u = (1 + fabsf(u) + fabsf(m->offset_u)) * 0x1p-20f,
+                off_v = (1 + fabsf(v) + fabsf(m->offset_v)) * 0x1p-20f;
+    if (!m->cells || !(off_u <= m->slack_u && off_v <= m->slack_v)) return false;
+    const uint32_t cell = daft_mask_cell(m, u, v);
+    *opacity = cell == DAFT_OPACITY_OPAQUE;
+    return cell != DAFT_OPACITY_MIXED;
+}
+
 static float opacity_at(beam *b, const daft_instance *instance, const daft_surface *m, const daft_pierced *hit)
 {
     const daft_snapshot *s = b->j->snapshot;
     daft_vec2 uv = {0, 0};
     if (!daft_surface_blends(m)) return 1;
     if (m->maps[DAFT_MAP_ALPHA] != DAFT_NO_TEXTURE) {
-        b->reads++;
         uv = instance->mesh ? triangle_uv(instance->mesh, hit)
                             : sphere_uv(instance, daft_add(b->ray.origin, daft_scale(b->ray.direction, hit->t)));
+        const uint32_t slot = instance->mesh && instance->mesh->slots ? instance->mesh->slots[hit->triangle] : 0;
+        float told;
+        if (instance->masks && mask_tells(&instance->masks[slot], uv, &told)) return told;
+        b->reads++;
     }
     return daft_surface_opacity(m, s->textures, uv, vertex_alpha(instance->mesh, hit), s->quality.texture_filter);
+}
+
+/* What of the light a surface leaves that is `there` so far. */
+static void pass(double left[3], const daft_surface *m, double there)
+{
+    left[0] *= 1 - there + there * (double)m->transmittance.x;
+    left[1] *= 1 - there + there * (double)m->transmittance.y;
+    left[2] *= 1 - there + there * (double)m->transmittance.z;
 }
 
 static bool meet(void *user, const daft_pierced *hit)
@@ -72,9 +96,7 @@ static bool meet(void *user, const daft_pierced *hit)
     const uint32_t slot = instance->mesh && instance->mesh->slots ? instance->mesh->slots[hit->triangle] : 0;
     const daft_surface *m = &s->materials[instance->materials[slot]];
     const double there = (double)opacity_at(b, instance, m, hit);
-    b->left[0] *= 1 - there + there * (double)m->transmittance.x;
-    b->left[1] *= 1 - there + there * (double)m->transmittance.y;
-    b->left[2] *= 1 - there + there * (double)m->transmittance.z;
+    pass(b->left, m, there);
     return b->left[0] > 0 || b->left[1] > 0 || b->left[2] > 0;
 }
 
@@ -96,24 +118,41 @@ static daft_vec3 left_of(tile_job *j, const daft_batch *points, uint32_t i, cons
         b.left[0] = b.left[1] = b.left[2] = 1;
         j->r->accel->pierce(j->frame->tlas, ray, meet, &b, last);
     }
-    j->s->alpha_rays++, j->s->alpha_reads += b.reads;
+    j->s->alpha_reads += b.reads;
     return daft_v3((float)b.left[0], (float)b.left[1], (float)b.left[2]);
 }
 
 daft_vec3 daft_tile_filtered(tile_job *j, const daft_batch *points, uint32_t i, const daft_ray *ray)
 {
+    j->s->alpha_rays++;
     return left_of(j, points, i, ray, false);
 }
 
-/* Of point i: false where nothing of the light is left. */
-static bool filter_point(tile_job *j, const daft_batch *points, uint32_t i, const daft_light_source *light, bool *some)
+/* By point i's own ray. */
+static daft_vec3 left_by_ray(tile_job *j, const daft_batch *points, uint32_t i, const daft_light_source *light)
 {
-    daft_lanes3 *passed = j->s->passed;
     const daft_vec3 from = lane(&points->shadow_origin, i);
     const daft_ray ray = {.origin = from,
                           .direction = light->sun ? light->to_light : daft_sub(light->position, from),
                           .tmax = light->sun ? INFINITY : 1};
-    const daft_vec3 left = left_of(j, points, i, &ray, true);
+    return left_of(j, points, i, &ray, true);
+}
+
+/* By the even surfaces that it is known to meet. */
+static daft_vec3 left_by_surfaces(const tile_job *j, const daft_filtered *f, uint32_t i)
+{
+    const daft_snapshot *s = j->snapshot;
+    double left[3] = {1, 1, 1};
+    for (uint32_t k = 0; k < f->count[i]; k++) {
+        const daft_surface *m = &s->materials[f->material[k][i]];
+        pass(left, m, (double)daft_surface_opacity(m, s->textures, (daft_vec2){0, 0}, 1, s->quality.texture_filter));
+    }
+    return daft_v3((float)left[0], (float)left[1], (float)left[2]);
+}
+
+/* Point i keeps this of the light: false where it is nothing. */
+static bool keep_light(daft_lanes3 *passed, uint32_t i, daft_vec3 left, bool *some)
+{
     if (left.x == 1 && left.y == 1 && left.z == 1) return true;
     if (!(left.x > 0 || left.y > 0 || left.z > 0)) return false;
     *some = true;
@@ -128,19 +167,21 @@ const daft_lanes3 *daft_tile_filters(tile_job *j, const daft_batch *points, cons
     const daft_samples samples = daft_samples_of(points);
     const daft_apex apex = daft_apex_of(light);
     void *memory = j->r->sample_scratch + j->worker * j->r->sample_kernels->scratch_size;
+    const daft_filtered *f;
     bool some = passed != NULL;
-    if (!j->r->sample_kernels->under(&samples, &apex, j->frame->tlas, DAFT_INSTANCE_FILTERS_SHADOW, s->lit, s->under,
-                                     memory))
-        return passed;
+    const uint32_t rays = j->r->sample_kernels->filters(&samples, &apex, j->frame->tlas, s->lit, &f, memory);
+    if (!rays) return passed;
     if (!passed)
         for (uint32_t i = 0; i < points->count + 16; i++) s->passed->x[i] = s->passed->y[i] = s->passed->z[i] = 1;
-    daft_cost_add_some(j, points->pixel, s->under, points->count);
-    uint64_t rays = 0;
+    daft_cost_add_some(j, points->pixel, f->under, points->count);
     for (uint32_t i = 0; i < points->count; i++) {
-        if (!(s->under[i / 32] >> (i % 32) & 1)) continue;
-        rays++;
-        if (!filter_point(j, points, i, light, &some)) s->lit[i / 32] &= ~(1u << (i % 32));
+        const uint32_t bit = 1u << (i % 32);
+        const bool open = f->open[i / 32] & bit;
+        if (!(s->lit[i / 32] & bit) || !(open || f->count[i])) continue;
+        const daft_vec3 left = open ? left_by_ray(j, points, i, light) : left_by_surfaces(j, f, i);
+        if (!keep_light(s->passed, i, left, &some)) s->lit[i / 32] &= ~bit;
     }
+    s->alpha_rays += rays;
     s->rays_cast[DAFT_EFFECT_SHADOW] += rays, s->shadow_points += rays;
     ran(j, DAFT_EFFECT_SHADOW);
     book(j, DAFT_EFFECT_SHADOW);

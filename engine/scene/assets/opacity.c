@@ -45,13 +45,18 @@ static uint64_t hash_slots(const daft_scene *scene, const daft_trimesh *mesh, co
     return hash;
 }
 
-static void set_free(const daft_scene *scene, daft_retired *item) { daft_release(scene->allocator, item); }
+static void set_free(const daft_scene *scene, daft_retired *item)
+{
+    daft_opacity_set *set = (daft_opacity_set *)item;
+    if (set->masks) daft_masks_free(scene->allocator, set->masks, set->slots);
+    daft_release(scene->allocator, set);
+}
 
 void daft_opacity_free(const daft_scene *scene, daft_mesh_item *item)
 {
     for (daft_opacity_set *set = item->opacity, *next; set; set = next) {
         next = set->next;
-        daft_release(scene->allocator, set);
+        set_free(scene, &set->retired);
     }
     item->opacity = NULL;
 }
@@ -88,7 +93,7 @@ size_t daft_opacity_bytes(const daft_mesh_item *item)
 {
     size_t bytes = 0;
     for (const daft_opacity_set *set = item->opacity; set; set = set->next)
-        bytes += sizeof *set + item->mesh.triangle_count;
+        bytes += sizeof *set + item->mesh.triangle_count + (set->masks ? daft_masks_bytes(set->masks, set->slots) : 0);
     return bytes;
 }
 
@@ -112,6 +117,28 @@ static uint32_t flags_of_all(const uint8_t *classes, uint32_t count)
     return of[DAFT_OPACITY_CLEAR] == count ? 0 : DAFT_INSTANCE_FILTERS_SHADOW;
 }
 
+/* Without memory for masks, rays read textures instead. */
+static daft_opacity_set *set_make(const daft_scene *scene, const daft_trimesh *mesh, const uint32_t *materials)
+{
+    const daft_allocator *allocator = scene->allocator;
+    const daft_surface *surfaces = scene->assets.surfaces;
+    const uint32_t slots = daft_max_u(mesh->slot_count, 1);
+    daft_opacity_set *set =
+        daft_alloc_zero(allocator, sizeof *set + slots * sizeof *set->masks + mesh->triangle_count, 1);
+    if (!set) return NULL;
+    daft_mask *masks = (daft_mask *)(set + 1);
+    set->classes = (uint8_t *)(masks + slots), set->slots = slots;
+    if (!daft_opacity_classify(allocator, mesh, surfaces, materials, scene->assets.textures, set->classes)) {
+        daft_release(allocator, set);
+        return NULL;
+    }
+    set->flags = flags_of_all(set->classes, mesh->triangle_count);
+    if (memchr(set->classes, DAFT_OPACITY_MIXED, mesh->triangle_count) &&
+        daft_masks_make(allocator, mesh, surfaces, materials, scene->assets.textures, masks))
+        set->masks = masks;
+    return set;
+}
+
 const daft_opacity_set *daft_opacity_find(daft_scene *scene, daft_mesh_item *item, const uint32_t *materials)
 {
     const daft_trimesh *mesh = &item->mesh;
@@ -122,16 +149,10 @@ const daft_opacity_set *daft_opacity_find(daft_scene *scene, daft_mesh_item *ite
         set->shown = scene->walk;
         return set;
     }
-    daft_opacity_set *set = daft_alloc_zero(scene->allocator, sizeof *set + mesh->triangle_count, 1);
+    daft_opacity_set *set = set_make(scene, mesh, materials);
     if (!set) return NULL;
-    if (!daft_opacity_classify(scene->allocator, mesh, scene->assets.surfaces, materials, scene->assets.textures,
-                               set->classes)) {
-        daft_release(scene->allocator, set);
-        return NULL;
-    }
     make_room(scene, item);
-    set->key = key, set->textures = textures, set->shown = scene->walk,
-    set->flags = flags_of_all(set->classes, mesh->triangle_count);
+    set->key = key, set->textures = textures, set->shown = scene->walk;
     set->next = item->opacity, item->opacity = set;
     return set;
 }

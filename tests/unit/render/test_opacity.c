@@ -489,6 +489,225 @@ static void rays_read_what_is_drawn(void **unused)
     free(b);
 }
 
+/* All cells are mixed. */
+static void forget_masks(daft_opacity_set *set)
+{
+    for (uint32_t i = 0; i < set->slots; i++) {
+        const daft_mask *m = &set->masks[i];
+        const size_t words = ((size_t)m->columns * (size_t)m->rows + DAFT_MASK_CELLS - 1) / DAFT_MASK_CELLS;
+        if (m->cells) memset((void *)(uintptr_t)m->cells, 0, words * sizeof *m->cells);
+    }
+}
+
+static float wrapped_place(float a, uint32_t wrap)
+{
+    if (wrap == DAFT_WRAP_CLAMP) return fminf(fmaxf(a, 0), 1);
+    const float cycle = wrap == DAFT_WRAP_MIRROR ? 2 : 1, within = a - floorf(a / cycle) * cycle;
+    return within > 1 ? 2 - within : within;
+}
+
+static uint32_t cell_at(const daft_mask *m, daft_vec2 uv)
+{
+    const float u = wrapped_place(uv.x * m->scale_u + m->offset_u, m->wrap),
+                v = wrapped_place(1 - (uv.y * m->scale_v + m->offset_v), m->wrap);
+    const int column = daft_min_i((int)(u * m->across), m->columns - 1),
+              row = daft_min_i((int)(v * m->down), m->rows - 1);
+    const uint32_t at = (uint32_t)(row * m->columns + column);
+    return m->cells[at / DAFT_MASK_CELLS] >> DAFT_MASK_BITS * (at % DAFT_MASK_CELLS) & ((1 << DAFT_MASK_BITS) - 1);
+}
+
+/* Patches of nothing, of all and of noise, about a fifth of the picture wide each. */
+static daft_texture_data patchy_texture(int width, int height)
+{
+    daft_allocator allocator = daft_malloc_allocator();
+    daft_texture_data out;
+    uint8_t *rgba = calloc(4 * (size_t)width, (size_t)height);
+    const uint32_t salt = random_bits();
+    for (int y = 0; y < height; y++)
+        for (int x = 0; x < width; x++) {
+            const uint32_t patch =
+                ((uint32_t)(x * 5 / width) * 7919u + (uint32_t)(y * 4 / height) * 104729u + salt) * 2654435761u >> 29;
+            rgba[4 * (y * width + x) + 3] = patch < 4 ? 0 : patch < 7 ? 255 : (uint8_t)random_bits();
+        }
+    assert_true(daft_texture_build(&allocator, rgba, width, height, &out, NULL));
+    free(rgba);
+    return out;
+}
+
+/* What a cell says of its places is what the texture says there, and within the slack of them; where it says a hole,
+ * pixels find nothing that are as large. */
+static void masks_are_right(void **unused)
+{
+    (void)unused;
+    enum { PLACES = 1000 };
+    int opaque = 0, clear = 0, mixed = 0, holes[DAFT_MASK_HOLES + 1] = {0};
+    fixture_seed(96);
+    daft_allocator allocator = daft_malloc_allocator();
+    daft_batch *b = calloc(1, sizeof *b);
+    b->varying = calloc(1, sizeof *b->varying);
+    for (int round = 0; round < 90; round++) {
+        fixture_mesh m = mesh_soup(4, 1, 0.2f);
+        const int width = round % 2 ? 64 << round % 4 : 1 + (int)(random_bits() % 700),
+                  height = round % 2 ? 128 : 1 + (int)(random_bits() % 700);
+        daft_texture_data t = round % 5 ? patchy_texture(width, height) : random_texture(width, height);
+        daft_surface surface = {.texture = DAFT_NO_TEXTURE,
+                                .traits = DAFT_TRAIT_BLEND | DAFT_TRAIT_VARIES | DAFT_TRAIT_MAPS | DAFT_TRAIT_SENDS,
+                                .wrap = (uint32_t)round % 3,
+                                .map_scale = {random_float(-2, 2), random_float(-2, 2)},
+                                .map_offset = {random_float(-3, 3), random_float(-3, 3)},
+                                .opacity = round % 4 ? 1 : random_float(0.4f, 1),
+                                .cutoff = round % 2 ? 0.5f : 0,
+                                .alpha_channel = 3};
+        for (int i = 0; i < DAFT_MAPS; i++) surface.maps[i] = i == DAFT_MAP_ALPHA ? 0 : DAFT_NO_TEXTURE;
+        surface.steepness = daft_mask_steepness(&surface, &t);
+        daft_mask mask;
+        assert_true(daft_masks_make(&allocator, &m.mesh, &surface, FIXTURE_MATERIAL, &t, &mask) && mask.cells);
+        assert_true(daft_masks_bytes(&mask, 1) <= sizeof mask + 65536 / 2 + 4);
+        const float size = sqrtf((float)width * (float)height * fabsf(mask.scale_u * mask.scale_v));
+        b->count = PLACES, b->traits = daft_surface_traits(&surface);
+        for (uint32_t i = 0; i < PLACES; i++) {
+            const daft_vec2 at = {random_float(-2, 2), random_float(-2, 2)};
+            const uint32_t cell = cell_at(&mask, at), hole = cell > DAFT_OPACITY_CLEAR ? cell - DAFT_OPACITY_CLEAR : 0;
+            const float near = 0.9f;
+            daft_vec2 other = {at.x + random_float(-near, near) * mask.slack_u / mask.scale_u,
+                               at.y + random_float(-near, near) * mask.slack_v / mask.scale_v};
+            if (i % 2) other = at;
+            const float found = daft_surface_opacity(&surface, &t, other, 1, DAFT_TEXTURE_TRILINEAR);
+            if (cell == DAFT_OPACITY_OPAQUE && found != 1) fail_msg("round %d: %g is opaque", round, (double)found);
+            if (cell >= DAFT_OPACITY_CLEAR && found != 0) fail_msg("round %d: %g is clear", round, (double)found);
+            opaque += cell == DAFT_OPACITY_OPAQUE, clear += cell >= DAFT_OPACITY_CLEAR, mixed += cell == 0,
+                holes[hole]++;
+            b->u[i] = other.x, b->v[i] = other.y, b->weight.x[i] = b->weight.y[i] = b->weight.z[i] = 1;
+            b->footprint[i] = (hole ? exp2f((float)hole + 0.24f) : 0.01f) * random_float(0.6f, 1) / size;
+        }
+        for (int soft = 0; soft < 2; soft++) {
+            const daft_vary_def def = {.lets_through = true, .sample_side = (float)soft};
+            daft_shade_kernels_for(daft_isa_best())->vary(b, &surface, &t, DAFT_TEXTURE_TRILINEAR, &def);
+            for (uint32_t i = 0; i < PLACES; i++)
+                if (cell_at(&mask, (daft_vec2){b->u[i], b->v[i]}) > DAFT_OPACITY_CLEAR && b->footprint[i] * size > 1)
+                    if (b->varying->opacity[i] != 0) {
+                        /* the place itself may be in a cell beside the hole's */
+                        const uint32_t own = cell_at(&mask, (daft_vec2){b->u[i], b->v[i]}) - DAFT_OPACITY_CLEAR;
+                        if (b->footprint[i] * size <= exp2f((float)own + 0.24f))
+                            fail_msg("round %d: %g in a hole", round, (double)b->varying->opacity[i]);
+                    }
+        }
+        daft_masks_free(&allocator, &mask, 1);
+        daft_texture_free(&allocator, &t);
+        mesh_drop(&m);
+    }
+    print_message("opaque %d, clear %d, mixed %d; holes", opaque, clear, mixed);
+    for (int k = 0; k <= DAFT_MASK_HOLES; k++) print_message(" %d", holes[k]);
+    print_message("\n");
+    assert_true(opaque > 15000 && clear > 15000 && mixed < 45000 && holes[1] > 100 && holes[3] > 100 && holes[5] > 100);
+    free(b->varying);
+    free(b);
+}
+
+/* The leaf again, eight times as fine. */
+static daft_texture fine_leaf(const stage *s)
+{
+    enum { FINE = 8 * TEXELS };
+    static uint8_t tga[18 + 4 * FINE * FINE];
+    memset(tga, 255, sizeof tga), memset(tga, 0, 18);
+    tga[2] = 2, tga[13] = tga[15] = FINE / 256, tga[16] = 32, tga[17] = 0x28;
+    for (int i = 0; i < FINE * FINE; i++) tga[18 + 4 * i + 3] = in_leaf(i % FINE / 8, i / FINE / 8) ? 255 : 0;
+    const daft_texture texture = daft_texture_load(s->scene, write_test_file("fine.tga", tga, sizeof tga), NULL);
+    assert_true(texture.id);
+    return texture;
+}
+
+/* A wood of cards with leaves, some under others. */
+static void plant(const stage *s)
+{
+    const daft_texture leaf = fine_leaf(s);
+    const daft_mesh mesh = square(s, WHOLE, 1);
+    for (int i = 0; i < 60; i++) {
+        daft_material_def look = daft_default_material_def();
+        look.diffuse = look.ambient = random_vec3(0.2f, 1);
+        look.diffuse_map = leaf, look.alpha_mode = DAFT_ALPHA_MASK, look.map_wrap = DAFT_WRAP_CLAMP;
+        daft_entity_def def = daft_default_entity_def();
+        def.shape = DAFT_SHAPE_MESH, def.mesh = mesh, def.rotation = random_rotation();
+        def.position =
+            daft_dv3((double)random_float(-1.5f, 2), (double)random_float(0.2f, 2), (double)random_float(-2, 2));
+        def.scale = daft_v3(0.7f, 0.7f, 0.7f), def.material = daft_material_create(s->scene, &look, NULL);
+        assert_true(daft_entity_create(s->scene, &def, NULL).id);
+    }
+}
+
+/* What masks know of shadows spares rays, and changes no byte; what they know of holes before the camera spares paths,
+ * and pixels see the same: but for those where an edge lies that a path of several rays meets a rounding beside. */
+static void masks_spare_rays_alone(void **unused)
+{
+    (void)unused;
+    static uint8_t with[4 * PIXELS], without[4 * PIXELS];
+    static const daft_light_kind KINDS[] = {DAFT_LIGHT_SUN, DAFT_LIGHT_POINT, DAFT_LIGHT_SPOT};
+    for (int k = 0; k < 6; k++) {
+        const bool anisotropic = k >= 3; /* no hole is passed over: shadows are all that is spared */
+        uint64_t reads[2], paths[2];
+        int differ = 0;
+        for (int known = 0; known < 2; known++) {
+            stage s = stage_new();
+            fixture_seed(97 + (uint64_t)k);
+            plant(&s);
+            shine(&s, KINDS[k % 3]);
+            if (anisotropic) s.view.quality.texture_filter = DAFT_TEXTURE_ANISOTROPIC4;
+            draw(&s, with); /* makes the masks */
+            for (uint32_t i = 0; i < s.scene->assets.mesh_slots.count; i++)
+                for (daft_opacity_set *o = s.scene->assets.meshes[i] ? s.scene->assets.meshes[i]->opacity : NULL; o;
+                     o = o->next)
+                    if (!known) forget_masks(o);
+            daft_scene_set_ambient(s.scene, daft_v3(0.2f, 0.2f, 0.2f));
+            const daft_counters *c = draw(&s, known ? with : without);
+            reads[known] = c->alpha_reads, paths[known] = c->refraction_rays;
+            stage_free(&s);
+        }
+        for (int i = 0; i < PIXELS; i++)
+            for (int c = 0; c < 3; c++)
+                if (abs(with[4 * i + c] - without[4 * i + c]) > 1) {
+                    differ++;
+                    break;
+                }
+        print_message("light %d: reads %llu, %llu; paths %llu, %llu; %d pixels differ\n", k,
+                      (unsigned long long)reads[0], (unsigned long long)reads[1], (unsigned long long)paths[0],
+                      (unsigned long long)paths[1], differ);
+        assert_true(reads[1] > 0 && reads[1] < reads[0] / 2);
+        if (anisotropic) {
+            assert_memory_equal(with, without, sizeof with);
+        } else {
+            assert_true(paths[1] < paths[0] * 3 / 4 && differ <= PIXELS / 1000);
+        }
+    }
+}
+
+/* Holes too: by windows, thin and small triangles, and rays one by one. */
+static void holes_are_the_same_everywhere(void **unused)
+{
+    (void)unused;
+    static const char *const NAMES[] = {NULL, "plain", "sse2", "avx2", "avx512"};
+    static uint8_t first[4 * PIXELS], now[4 * PIXELS];
+    for (uint64_t seed = 100; seed < 106; seed++) {
+        int compared = 0;
+        for (int k = 0; k < 10; k++) {
+            daft_engine_def def = daft_default_engine_def();
+            def.threads = 1 + k % 3, def.isa = NAMES[k / 2], def.accel = k % 2 ? DAFT_ACCEL_KDTREE : DAFT_ACCEL_BVH;
+            daft_engine *engine = daft_engine_create(&def, NULL);
+            if (!engine) continue; /* this processor lacks it */
+            daft_engine_destroy(engine);
+            stage s = stage_with(&def);
+            fixture_seed(seed);
+            plant(&s);
+            shine(&s, DAFT_LIGHT_SUN);
+            s.view.quality.edge_samples = seed % 2 ? 4 : 0;
+            draw(&s, now);
+            if (compared++) assert_memory_equal(first, now, sizeof now);
+            memcpy(first, now, sizeof now);
+            stage_free(&s);
+        }
+        assert_true(compared >= 4);
+    }
+}
+
 /* What a triangle's class says is what the texture says: without classes the picture is the same. */
 static void classes_spare_reads_alone(void **unused)
 {
@@ -518,7 +737,7 @@ static void classes_spare_reads_alone(void **unused)
         draw(&s, with); /* makes the classes */
         daft_opacity_set *set = s.scene->assets.meshes[daft_asset_index(mesh.id)]->opacity;
         assert_true(set && !set->next && set->flags == DAFT_INSTANCE_FILTERS_SHADOW);
-        if (k) memset(set->classes, DAFT_OPACITY_MIXED, n / 3);
+        if (k) memset(set->classes, DAFT_OPACITY_MIXED, n / 3), forget_masks(set);
         reads[k] = draw(&s, k ? without : with)->alpha_reads;
         stage_free(&s);
     }
@@ -704,6 +923,9 @@ int main(void)
         cmocka_unit_test(the_same_bytes_everywhere),
         cmocka_unit_test(classes_are_right),
         cmocka_unit_test(classes_spare_reads_alone),
+        cmocka_unit_test(masks_are_right),
+        cmocka_unit_test(masks_spare_rays_alone),
+        cmocka_unit_test(holes_are_the_same_everywhere),
         cmocka_unit_test(rays_read_what_is_drawn),
         cmocka_unit_test(classes_follow_materials),
         cmocka_unit_test(kept_pictures_follow_leaves),

@@ -1,0 +1,120 @@
+/* With corners c and edges' planes n_k = c_k+1 x c_k+2, a ray d meets a triangle with weights n_k . d over their sum
+ * s = N . d, at a depth z = N . c_0 · focal / s. A pixel's patch on the surface is z² · |d|² / (focal⁴ · cosine) large,
+ * with cosine = |s| / (|N| · |d|), and of T texels for each unit of area it has as many times more (the square of
+ * surface_kernel.c's footprint). So a hole's largest pixel is a least s. */
+#include "raster/holes.h"
+
+#include <math.h>
+
+/* Only levels from a quarter of one to the next on blend (texture_kernel.c), so a pixel reads no coarser one than its
+ * own where it is 2^(1/4) as large, less a little for rounding: in s, its (-2/3)rd power. */
+#define WIDER 0.91
+
+/* Coordinates are off by a few 2^-24 of theirs, beside what weights are off by. */
+daft_mask_triangle daft_mask_triangle_of(const daft_mask *m, const daft_trimesh *mesh, uint32_t triangle)
+{
+    const uint32_t *corner = &(mesh->uv_indices ? mesh->uv_indices : mesh->indices)[3 * (size_t)triangle];
+    const float tiny = 1e-30f;
+    float u[3], v[3];
+    for (int k = 0; k < 3; k++) {
+        const daft_vec2 at = mesh->uvs && corner[k] != DAFT_NO_UV ? mesh->uvs[corner[k]] : (daft_vec2){0, 0};
+        u[k] = at.x * m->scale_u + m->offset_u, v[k] = 1 - (at.y * m->scale_v + m->offset_v);
+    }
+    daft_mask_triangle t = {
+        .mask = m, .u = u[0], .v = v[0], .u1 = u[1] - u[0], .v1 = v[1] - v[0], .u2 = u[2] - u[0], .v2 = v[2] - v[0]};
+    const float wide = fabsf(t.u1) + fabsf(t.u2), high = fabsf(t.v1) + fabsf(t.v2);
+    t.left_u = m->slack_u - (1 + fabsf(m->offset_u) + fabsf(u[0]) + wide) * 0x1p-20f;
+    t.left_v = m->slack_v - (1 + fabsf(m->offset_v) + fabsf(v[0]) + high) * 0x1p-20f;
+    t.most = fminf(t.left_u / fmaxf(wide, tiny), t.left_v / fmaxf(high, tiny));
+    return t;
+}
+
+daft_hole_view daft_hole_view_of(const daft_raster *raster, const daft_tile_part *part, const daft_tile *tile)
+{
+    daft_pencil pencil = daft_part_pencil(&raster->pencil, part);
+    const float turn = pencil.turn;
+    pencil.turn = 0;
+    const daft_vec3 first = daft_pencil_ray(&pencil, tile->x, tile->y);
+    const float x = fmaxf(fabsf(first.x), fabsf(first.x + DAFT_TILE)) / pencil.focal,
+                y = fmaxf(fabsf(first.y), fabsf(first.y - DAFT_TILE)) / pencil.focal;
+    return (daft_hole_view){first.x, first.y, pencil.focal, turn, raster->pencil.focal, sqrtf(1 + x * x + y * y)};
+}
+
+/* A product with rays. Gives what its sums are off by. */
+static float place(const daft_hole_view *j, daft_dvec3 n, float out[3])
+{
+    out[0] = (float)(n.x * (double)j->left + n.y * (double)j->top + n.z * (double)j->focal);
+    out[1] = (float)n.x, out[2] = (float)-n.y;
+    return (fabsf(out[0]) + DAFT_TILE * (fabsf(out[1]) + fabsf(out[2]))) * 0x1p-22f;
+}
+
+static daft_dvec3 weighted(const daft_dvec3 n[3], double a, double b, double c)
+{
+    return daft_dadd(daft_dadd(daft_dscale(n[0], a), daft_dscale(n[1], b)), daft_dscale(n[2], c));
+}
+
+/* `depth`: N . c_0. */
+static void limit_sizes(const daft_hole_view *j, double depth, daft_holes *out)
+{
+    const daft_mask_triangle *t = &out->on;
+    const double texels = fabs((double)t->u1 * (double)t->v2 - (double)t->u2 * (double)t->v1) * (double)t->mask->width *
+                          (double)t->mask->height;
+    const double patch = texels * depth * depth / ((double)j->own * (double)j->own),
+                 least = cbrt(patch) * (double)j->slant * (double)j->focal;
+    double most = 2;
+    for (int k = 0; k < 1 << DAFT_MASK_BITS; k++) out->least_s[k] = INFINITY;
+    for (int k = 1; k <= DAFT_MASK_HOLES; k++, most *= 2)
+        out->least_s[DAFT_OPACITY_CLEAR + k] = (float)(least / cbrt(most * most) * WIDER);
+}
+
+/* Whether the triangle, all of it before the camera, is so long and wide in pixels that it is worth asking. */
+static bool is_large(const daft_hole_view *j, const daft_vec3 c[3])
+{
+    const double focal = (double)j->focal;
+    double x[3], y[3];
+    for (int k = 0; k < 3; k++) {
+        if (!(c[k].z > 0)) return false;
+        x[k] = (double)c[k].x * focal / (double)c[k].z, y[k] = (double)c[k].y * focal / (double)c[k].z;
+    }
+    const double wide = fmax(x[0], fmax(x[1], x[2])) - fmin(x[0], fmin(x[1], x[2])),
+                 high = fmax(y[0], fmax(y[1], y[2])) - fmin(y[0], fmin(y[1], y[2])), length = fmax(wide, high),
+                 area = fabs((x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0])) / 2;
+    return length >= 4 && area >= length;
+}
+
+bool daft_holes_make(const daft_hole_view *j, const daft_view_instance *view, uint32_t triangle, daft_holes *out)
+{
+    const daft_instance *s = view->instance;
+    const daft_mask *mask = daft_mask_of(s, triangle);
+    daft_vec3 at[3];
+    daft_dvec3 c[3], n[3];
+    if (!mask || !mask->cells || (s->opacity && s->opacity[triangle] != DAFT_OPACITY_MIXED)) return false;
+    daft_view_corners(view, triangle, at);
+    if (!is_large(j, at)) return false;
+    for (int k = 0; k < 3; k++) c[k] = daft_to_double(at[k]);
+    for (int k = 0; k < 3; k++) n[k] = daft_dcross(c[(k + 1) % 3], c[(k + 2) % 3]);
+    const daft_dvec3 sum = weighted(n, 1, 1, 1);
+    out->on = daft_mask_triangle_of(mask, s->mesh, triangle);
+    const daft_mask_triangle *t = &out->on;
+    const double u = (double)t->u, v = (double)t->v;
+    out->turn = j->turn;
+    out->off_s = place(j, sum, out->s);
+    out->off_u = place(j, weighted(n, u, u + (double)t->u1, u + (double)t->u2), out->u);
+    out->off_v = place(j, weighted(n, v, v + (double)t->v1, v + (double)t->v2), out->v);
+    limit_sizes(j, daft_ddot(sum, c[0]), out);
+    return true;
+}
+
+static float value_at(const float f[3], float column, float row) { return f[0] + (f[1] * column + f[2] * row); }
+
+bool daft_in_hole(const daft_holes *h, int column, int row)
+{
+    const daft_mask *m = h->on.mask;
+    const float x = (float)column + h->turn * daft_pencil_turned(row),
+                y = (float)row - h->turn * daft_pencil_turned(column), s = value_at(h->s, x, y), size = fabsf(s), inverse = 1 / s;
+    const float u = value_at(h->u, x, y) * inverse, v = value_at(h->v, x, y) * inverse;
+    if (!(h->off_u + fabsf(u) * h->off_s <= h->on.left_u * size &&
+          h->off_v + fabsf(v) * h->off_s <= h->on.left_v * size))
+        return false;
+    return h->least_s[daft_mask_cell(m, u, v)] <= size;
+}
