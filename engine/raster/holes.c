@@ -111,7 +111,8 @@ bool daft_in_hole(const daft_holes *h, int column, int row)
 {
     const daft_mask *m = h->on.mask;
     const float x = (float)column + h->turn * daft_pencil_turned(row),
-                y = (float)row - h->turn * daft_pencil_turned(column), s = value_at(h->s, x, y), size = fabsf(s), inverse = 1 / s;
+                y = (float)row - h->turn * daft_pencil_turned(column), s = value_at(h->s, x, y), size = fabsf(s),
+                inverse = 1 / s;
     const float u = value_at(h->u, x, y) * inverse, v = value_at(h->v, x, y) * inverse;
     if (!(h->off_u + fabsf(u) * h->off_s <= h->on.left_u * size &&
           h->off_v + fabsf(v) * h->off_s <= h->on.left_v * size))

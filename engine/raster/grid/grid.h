@@ -46,8 +46,8 @@ typedef struct daft_tile_job {
     float spread, slack;  /* pixels that rays lie from their pixels' places; this and DAFT_SCREEN_SLACK */
     bool exact;
     daft_hole_view holes; /* where the raster passes holes */
-    bool clips;    /* the raster has a plane: */
-    float clip[4]; /* its normal, and how far along it what is seen of the running instance begins */
+    bool clips;           /* the raster has a plane: */
+    float clip[4];        /* its normal, and how far along it what is seen of the running instance begins */
     _Alignas(64) float dx[4][DAFT_TILE / DAFT_WINDOW_W][DAFT_VL]; /* of the rays of windows, by row and column */
     int rows;                                                     /* y & rows: which of them */
     _Alignas(64) float down[DAFT_VL];                             /* of a window's rays, from its first row */
