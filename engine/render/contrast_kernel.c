@@ -45,7 +45,7 @@ DAFT_INLINE vbits apart(const pixels *a, const pixels *b, vi most)
 
 /* Whether the light differs that two pixels of one surface get: what is left once both have the brighter one's own
  * colour. Bytes of sRGB are nearly powers of light, so that their ratios are those of powers. */
-DAFT_INLINE vbits lit_apart(const pixels *a, const pixels *b, int most)
+DAFT_INLINE vbits lit_apart(const pixels *a, const pixels *b, vi most)
 {
     const vi byte = vi_set(255), zero = vi_set(0);
     const vi color[3][2] = {
@@ -54,26 +54,42 @@ DAFT_INLINE vbits lit_apart(const pixels *a, const pixels *b, int most)
     for (int k = 0; k < 3; k++) {
         const vi own = (a->own >> (8 * k)) & byte, other = (b->own >> (8 * k)) & byte;
         const vi gap = color[k][0] * other - color[k][1] * own,
-                 limit = vi_if_then_else(vi_lt(own, other), other, own) * vi_set(most);
+                 limit = vi_if_then_else(vi_lt(own, other), other, own) * most;
         far |= vbits_from_mask(vm_or(vi_lt(limit, gap), vi_lt(limit, zero - gap)));
     }
     return far;
 }
 
+/* Both have textures, which hide faint edges. Nothing is known of the sky's own colour. */
+DAFT_INLINE vm textured(const pixels *a, const pixels *b)
+{
+    const vi kind = vi_set((int32_t)DAFT_OWN_TEXTURED << 24), mask = vi_set((int32_t)0xff000000u),
+             sky = vi_set((int32_t)DAFT_ID_SKY);
+    const vm none = vm_or(vi_eq(a->id, sky), vi_eq(b->id, sky));
+    return vm_and(vm_and(vi_eq(a->own & mask, kind), vi_eq(b->own & mask, kind)), vm_not(none));
+}
+
+DAFT_INLINE vi limit_of(const daft_contrast_limits *l, vm same, vm instance)
+{
+    const vi apart = vi_if_then_else(instance, vi_set(HALVES(l->crease)), vi_set(HALVES(l->outline)));
+    return vi_if_then_else(same, vi_set(HALVES(l->inner)), apart);
+}
+
 DAFT_INLINE bits disagree(const pixels *a, const pixels *b, const daft_contrast *limit)
 {
     const vm same = vi_eq(a->id, b->id), instance = vi_eq(a->id >> DAFT_ID_INSTANCE, b->id >> DAFT_ID_INSTANCE);
-    const vi most =
-        vi_if_then_else(same, vi_set(HALVES(limit->inner)),
-                        vi_if_then_else(instance, vi_set(HALVES(limit->crease)), vi_set(HALVES(limit->outline))));
+    const vm both = textured(a, b);
+    const vi plain = limit_of(&limit->plain, same, instance), more = limit_of(&limit->textured, same, instance),
+             most = vi_if_then_else(both, more, plain);
     const vbits differ = apart(a, b, most);
     if (!differ) return (bits){0, 0, 0, 0};
     const vbits sky = vbits_from_mask(vi_eq(a->id, vi_set((int32_t)DAFT_ID_SKY))), alike = vbits_from_mask(same);
     vbits inner = differ & alike & ~sky;
-    if (inner) inner &= lit_apart(a, b, limit->inner);
+    if (inner)
+        inner &= lit_apart(a, b, vi_if_then_else(both, vi_set(limit->textured.inner), vi_set(limit->plain.inner)));
     bits out = {.outline = differ & ~alike, .inner = inner};
-    if (inner) out.strong = inner & lit_apart(a, b, limit->strong);
-    if (out.strong) out.stark = inner & lit_apart(a, b, limit->stark);
+    if (inner) out.strong = inner & lit_apart(a, b, vi_set(limit->strong));
+    if (out.strong) out.stark = inner & lit_apart(a, b, vi_set(limit->stark));
     if (out.outline) {
         out.strong |= out.outline & apart(a, b, vi_set(HALVES(limit->strong)));
         out.stark |= out.outline & apart(a, b, vi_set(HALVES(limit->stark)));

@@ -10,7 +10,10 @@ enum {
 };
 _Static_assert(RAYS == 16, "a pixel's rays are sixteen bits");
 /* Rays that see the same, for each that is shaded, by how much changes. */
-static const uint8_t SPOKEN[] = {8, 4, 2};
+/* Rays that see the same, for each that is shaded: by what the pixel saw first, and by how much changes. A texture is
+ * filtered over the whole pixel already; what is sent on takes longest. */
+static const uint8_t SPOKEN[][3] = {
+    [DAFT_OWN_MATTE] = {4, 2, 1}, [DAFT_OWN_TEXTURED] = {RAYS, RAYS, RAYS}, [DAFT_OWN_SENDS] = {8, 8, 4}};
 
 /* The places of a pixel's rays, x + 4·y, such that one after the other lie apart: Bayer's order of dither. */
 static const uint8_t ORDER[RAYS] = {0, 10, 2, 8, 5, 15, 7, 13, 1, 11, 3, 9, 4, 14, 6, 12};
@@ -60,6 +63,7 @@ typedef struct taking {
     daft_edge_rays *out;
     uint32_t place, wanted; /* of the pixel's first ray in the part; of the pixel in the tile */
     int level;
+    uint32_t kind;
 } taking;
 
 /* The ray at a place in the pixel. Two pixels of such a pencil are one of that which shades. */
@@ -78,7 +82,7 @@ DAFT_INLINE void shade(taking *t, uint32_t ray, float rays)
 /* Some of the group, spread over it. */
 DAFT_INLINE void take_group(taking *t, const group *g, bool has_own)
 {
-    const uint32_t spoken = SPOKEN[t->level];
+    const uint32_t spoken = SPOKEN[t->kind][t->level];
     const uint32_t count = (uint32_t)__builtin_popcount(g->rays), some = (count + spoken - 1) / spoken,
                    fresh = some - has_own;
     const float share = (float)count / (float)some;
@@ -113,6 +117,13 @@ static void take_inner(taking *t)
     for (uint32_t left = DAFT_EDGE_INNER[t->level]; left; left &= left - 1) shade(t, (uint32_t)__builtin_ctz(left), 1);
 }
 
+/* What a pixel's first sample saw: a DAFT_OWN_... */
+static uint32_t kind_of(const daft_edge_part *p, int x, int y)
+{
+    const ptrdiff_t at = y * p->id_stride + x;
+    return p->own && p->id[at] != DAFT_ID_SKY ? p->own[at] >> 24 : DAFT_OWN_MATTE;
+}
+
 uint32_t DAFT_KERNEL(daft_take_edges)(const daft_edge_part *part, int y, uint32_t pixels, daft_edge_rays *out)
 {
     const daft_edges *edges = part->edges;
@@ -121,8 +132,12 @@ uint32_t DAFT_KERNEL(daft_take_edges)(const daft_edge_part *part, int y, uint32_
     if (pixels << part->left & edges->outline[py]) see_row(part, y, &seen);
     for (; pixels && out->list->count <= DAFT_BATCH - RAYS; pixels &= pixels - 1) {
         const int x = __builtin_ctz(pixels), px = part->left + x;
-        taking t = {part, out, (uint32_t)(SCALE * (y * DAFT_TILE_STRIDE + x)), (uint32_t)(py * DAFT_TILE + px),
-                    daft_edge_level(edges, px, py)};
+        taking t = {part,
+                    out,
+                    (uint32_t)(SCALE * (y * DAFT_TILE_STRIDE + x)),
+                    (uint32_t)(py * DAFT_TILE + px),
+                    daft_edge_level(edges, px, py),
+                    kind_of(part, px, py)};
         if (edges->outline[py] >> px & 1)
             take_outline(&t, &seen, x, part->id[py * part->id_stride + px]);
         else

@@ -79,6 +79,8 @@ typedef struct daft_spawning {
 
 /* A tile's pixels, RGBA, and what they see, and those around it: pixel (x, y) of the tile, -1 to DAFT_TILE, is at
  * 4·(y · stride + x) bytes, its id at y · id_stride + x. */
+/* Above a surface's own colour, of the surfaces that pixels see. */
+enum { DAFT_OWN_MATTE, DAFT_OWN_TEXTURED, DAFT_OWN_SENDS /* mirrors or lets through, without a texture */ };
 typedef struct daft_neighbours {
     const uint8_t *pixel;
     const uint32_t *id;
@@ -115,10 +117,15 @@ typedef struct daft_mixed {
     uint32_t place[DAFT_BATCH_ROOM], word[5][DAFT_BATCH_ROOM];
 } daft_mixed;
 
-/* By more than so many steps of a colour's byte, up to 8191: if another instance is seen, another triangle of the same,
- * or the same triangle; above which pixels differ by much, and by very much: no less. */
+/* By more than so many steps of a colour's byte, up to 8191, pixels differ: if they see different instances, different
+ * triangles of one, or the same; where both have a texture, which hides faint edges, by more. And above which they
+ * differ by much, and by very much: no less. */
+typedef struct daft_contrast_limits {
+    int outline, crease, inner;
+} daft_contrast_limits;
 typedef struct daft_contrast {
-    int outline, crease, inner, strong, stark;
+    daft_contrast_limits plain, textured;
+    int strong, stark;
 } daft_contrast;
 
 /* Planes of a picture, to be filtered: a float for each pixel, from row to row `stride` of them; sixteen columns on
@@ -170,7 +177,8 @@ typedef struct daft_edge_part {
     float x, y;            /* where the first one goes, before it is turned */
     int left, top;         /* the part's first pixel in the tile */
     const daft_edges *edges;
-    const uint32_t *id; /* what the first samples of the tile's pixels saw */
+    const uint32_t *id;  /* what the first samples of the tile's pixels saw */
+    const uint32_t *own; /* and what textures gave them, or NULL: UINT32_MAX where they have none */
     ptrdiff_t id_stride;
 } daft_edge_part;
 /* How much changes at a pixel. */

@@ -40,18 +40,26 @@ daft_neighbours daft_tile_neighbours(const tile_job *j)
                              DAFT_TILE + 2, DAFT_TILE + 2};
 }
 
+static uint32_t kind_of(const daft_surface *s)
+{
+    const uint32_t traits = daft_surface_traits(s);
+    if (traits & DAFT_TRAIT_TEXTURE) return DAFT_OWN_TEXTURED;
+    return traits & DAFT_TRAIT_SENDS ? DAFT_OWN_SENDS : DAFT_OWN_MATTE;
+}
+
 void daft_tile_keep_own(tile_job *j)
 {
     const daft_tile *tile = &j->s->tile;
     const daft_batch *b = &j->s->points;
     const size_t width = (size_t)j->snapshot->width;
     uint32_t *own = daft_frame_own(j->frame, tile->y) + tile->x, words[DAFT_BATCH];
-    if (!(b->traits & DAFT_TRAIT_TEXTURE)) {
-        for (int y = 0; y < tile->height; y++) memset(own + (size_t)y * width, 0xff, (size_t)tile->width * sizeof *own);
-        return;
-    }
-    j->r->shade->encode(b->albedo.x, b->albedo.y, b->albedo.z, b->count, (uint8_t *)words);
-    for (uint32_t i = 0; i < b->count; i++) own[b->pixel[i] / DAFT_TILE * width + b->pixel[i] % DAFT_TILE] = words[i];
+    if (b->traits & DAFT_TRAIT_TEXTURE)
+        j->r->shade->encode(b->albedo.x, b->albedo.y, b->albedo.z, b->count, (uint8_t *)words);
+    else
+        memset(words, 0xff, b->count * sizeof *words);
+    for (uint32_t i = 0; i < b->count; i++)
+        own[b->pixel[i] / DAFT_TILE * width + b->pixel[i] % DAFT_TILE] =
+            (words[i] & 0xffffff) | kind_of(&j->snapshot->materials[b->material[i]]) << 24;
     book(j, DAFT_EFFECT_ANTIALIASING);
 }
 

@@ -16,7 +16,12 @@
 #include <string.h>
 
 /* Steps of a byte between neighbours; within a surface of its light alone, since textures are filtered already. */
-static const daft_contrast LIMIT = {.outline = 20, .crease = 20, .inner = 20, .strong = 50, .stark = 100};
+static const daft_contrast LIMIT = {
+    .plain = {.outline = 20, .crease = 20, .inner = 14},
+    .textured = {.outline = 48, .crease = 48, .inner = 32},
+    .strong = 50,
+    .stark = 100,
+};
 
 enum {
     SCALE = DAFT_EDGE_SCALE,
@@ -202,7 +207,8 @@ void daft_refine_tile(void *context, uint32_t index, uint32_t worker)
     } else if (find_edges(&j, &r.around, &r.edges)) {
         memset(&j.s->sum, 0, sizeof j.s->sum);
         j.s->fresh.count = 0;
-        r.rays.edges = &r.edges, r.rays.id = r.around.id, r.rays.id_stride = r.around.id_stride;
+        r.rays.edges = &r.edges, r.rays.id = r.around.id, r.rays.own = r.around.own,
+        r.rays.id_stride = r.around.id_stride;
         for (int i = 0; i < SCALE * SCALE; i++) refine_part(&r, i);
         shade_fresh(&r);
         daft_tile_place(&j.r->raster, j.number, NULL, &j.s->tile);
