@@ -9,7 +9,7 @@ enum {
     WIDTH = DAFT_TILE
 };
 _Static_assert(RAYS == 16, "a pixel's rays are sixteen bits");
-/* Rays that see the same, for each that is shaded, by how much changes. */
+
 /* Rays that see the same, for each that is shaded: by what the pixel saw first, and by how much changes. A texture is
  * filtered over the whole pixel already; what is sent on takes longest. */
 static const uint8_t SPOKEN[][3] = {
@@ -70,11 +70,11 @@ typedef struct taking {
 DAFT_INLINE void shade(taking *t, uint32_t ray, float rays)
 {
     const uint32_t x = ray % SCALE, y = ray / SCALE, at = t->place + y * DAFT_TILE_STRIDE + x;
-    const float turn = 0.25f, middle = 1.5f, half = 0.5f;
+    const float half = 0.5f;
     daft_seen_list *list = t->out->list;
     const uint32_t i = list->count++, pixel = daft_place_in_batch(i);
-    list->x[i] = half * (t->part->x + (float)(at % DAFT_TILE_STRIDE) + turn * ((float)y - middle));
-    list->y[i] = half * (t->part->y - (float)(at / DAFT_TILE_STRIDE) + turn * ((float)x - middle));
+    list->x[i] = half * (t->part->x + (float)(at % DAFT_TILE_STRIDE) + DAFT_EDGE_TURN * daft_pencil_turned((int)y));
+    list->y[i] = half * (t->part->y - (float)(at / DAFT_TILE_STRIDE) + DAFT_EDGE_TURN * daft_pencil_turned((int)x));
     list->instance[i] = t->part->rays->instance[at], list->triangle[i] = t->part->rays->triangle[at];
     list->pixel[i] = pixel, t->out->wanted[pixel] = t->wanted, t->out->share[i] = rays;
 }

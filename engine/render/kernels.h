@@ -170,6 +170,7 @@ typedef struct daft_seen_list {
 /* Part of a tile, as refined: each of its pixels has a grid of so many rays a side, turned so that each lies in a row
  * and a column of its own (daft_pencil.turn). */
 enum { DAFT_EDGE_SCALE = 4, DAFT_EDGE_RAYS = DAFT_EDGE_SCALE * DAFT_EDGE_SCALE };
+#define DAFT_EDGE_TURN 0.25f
 /* The rays, bit x + 4·y, that are shaded of a pixel without an outline, by how much changes there. */
 static const uint16_t DAFT_EDGE_INNER[] = {0x4182, 0xa5a5, 0xffff};
 typedef struct daft_edge_part {

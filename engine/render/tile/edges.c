@@ -6,9 +6,10 @@
  * nobody asks for count as hidden, so that trees are walked for what is left.
  *
  * Beside an outline, where another triangle begins, all rays are asked what they see, which costs a coverage test. Of
- * those that see the same, one in eight is shaded and speaks for the others, more where more changes; the pixel's first
- * sample is one of them. Colours of the pixels around would cost less, but are wrong where a shadow, a crease or a
- * mirror image ends at the outline. Elsewhere (a shadow's edge, a mirror image) four rays are shaded, or eight, or all.
+ * those that see the same, some are shaded and speak for the others, by what that is and how much changes; the pixel's
+ * first sample is one of them. Colours of the pixels around would cost less, but are wrong where a shadow, a crease or
+ * a mirror image ends at the outline. Elsewhere (a shadow's edge, a mirror image) four rays are shaded, or eight, or
+ * all.
  *
  * Results wait in a picture of their own until no tile looks at its neighbours any more. */
 #include "render/tile/tile.h"
@@ -27,7 +28,6 @@ enum {
     SCALE = DAFT_EDGE_SCALE,
     SPAN = DAFT_TILE / SCALE /* pixels a side of a part */
 };
-#define TURN 0.25f
 
 typedef struct refinement {
     tile_job *j;
@@ -200,7 +200,7 @@ void daft_refine_tile(void *context, uint32_t index, uint32_t worker)
     daft_frame *frame = context;
     if (atomic_load_explicit(&frame->cancelled, memory_order_relaxed)) return;
     tile_job j = daft_tile_again(frame, index, worker);
-    refinement r = {.j = &j, .part = {.scale = SCALE, .turn = TURN}, .rays.rays = &j.s->fine};
+    refinement r = {.j = &j, .part = {.scale = SCALE, .turn = DAFT_EDGE_TURN}, .rays.rays = &j.s->fine};
     r.pencil = daft_part_pencil(&frame->pencil, &(daft_tile_part){.scale = SCALE / 2});
     if (all_sky(&j, index)) {
         memset(&r.edges, 0, sizeof r.edges);
