@@ -82,6 +82,8 @@ static void see(const setting *s, int isa, int workers, ids *out)
             daft_reference_tile(&raster, tlas, i, NULL, tile);
         keep_tile(tile, out);
         const daft_tile_part part = part_of(i);
+        daft_tile_place(&raster, i, &part, tile);
+        if (tile->width <= 0 || tile->height <= 0) continue; /* beyond the picture */
         if (isa >= 0)
             daft_raster_kernels_for(isa)->tile(&raster, i, i % (uint32_t)workers, &part, tile);
         else
