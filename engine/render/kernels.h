@@ -179,7 +179,7 @@ typedef struct daft_edge_part {
     int left, top;         /* the part's first pixel in the tile */
     const daft_edges *edges;
     const uint32_t *id;  /* what the first samples of the tile's pixels saw */
-    const uint32_t *own; /* and what textures gave them, or NULL: UINT32_MAX where they have none */
+    const uint32_t *own; /* their own colours and, above, what they see (DAFT_OWN_…); NULL: not known */
     ptrdiff_t id_stride;
 } daft_edge_part;
 /* How much changes at a pixel. */
@@ -205,7 +205,7 @@ static inline uint32_t daft_place_in_batch(uint32_t i)
 }
 
 /* Lights with a size that may reach a batch's points, and what each would send to those that cast rays if nothing were
- * in its way. Of each color it is drawn by how much of that color it would bring. */
+ * in its way. Of each colour a light is drawn by how much it would bring. */
 enum { DAFT_CANDIDATES = 64 };
 typedef struct daft_candidates {
     uint32_t lights, points;
@@ -218,7 +218,7 @@ typedef struct daft_candidates {
 } daft_candidates;
 
 /* A light is asked by `rays` rays of each point. Where more than `all` lights reach a point, those of `draws` draws
- * are: in each color, an even row over the lights, laid out by what they bring. */
+ * are: in each colour, an even row over the lights, laid out by what they bring. */
 typedef struct daft_drawing {
     int rays, all, draws;
 } daft_drawing;

@@ -1,7 +1,7 @@
 /* Which of many lights a point asks, in lanes. What each light would send to a batch's points if nothing were in its
- * way is laid end to end, a row for each point and color; draws fall into it at even distances (systematic resampling),
- * the same for all colors, so that lights of like color are asked by the same ray. A light gets as many draws as it has
- * of the row, rounded down or up, and in the mean exactly. */
+ * way is laid end to end, a row for each point and colour; draws fall into it at even distances (systematic
+ * resampling), the same for all colours, so that lights of like colour are asked by the same ray. A light gets as many
+ * draws as it has of the row, rounded down or up, and in the mean exactly. */
 #include "math/simd/ops.h"
 #include "render/dice.h"
 #include "render/kernels.h"

@@ -8,8 +8,8 @@
  * mean is all that is sampled: the ratio estimator of Heitz and others, "Combining Analytic Direct Illumination and
  * Stochastic Shadows" (I3D 2018).
  *
- * Where many lights reach a point, some are drawn for it, in each color by how much of it they would bring: what
- * arrives of a color is the part of the draws whose light comes through. That is right in the mean, and has no noise
+ * Where many lights reach a point, some are drawn for it, in each colour by how much of it they would bring: what
+ * arrives of a colour is the part of the draws whose light comes through. That is right in the mean, and has no noise
  * where all come through or none does (many lights: Shirley, Wang, Zimmerman, "Monte Carlo Techniques for Direct
  * Lighting Calculations", 1996; here with the unhindered light itself as measure).
  *
@@ -21,7 +21,7 @@
 #include <string.h>
 
 enum { STREAM = 256 }; /* rays that are asked together */
-/* Lights that reach a point up to which all are asked, and draws of each color where there are more, for each of a
+/* Lights that reach a point up to which all are asked, and draws of each colour where there are more, for each of a
  * light's samples. */
 enum { LIGHTS_ASKED = 6, LIGHTS_DRAWN = 3 };
 

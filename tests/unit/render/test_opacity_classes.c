@@ -8,21 +8,30 @@
 
 #include <math.h>
 
-static daft_texture_data random_texture(int width, int height)
+/* Patches of nothing, so many of eight, of all, and of noise: the last of them. */
+static daft_texture_data patches(int width, int height, int across, int down, uint32_t empty)
 {
-    daft_allocator allocator = daft_malloc_allocator();
+    const daft_allocator allocator = daft_malloc_allocator();
     daft_texture_data out;
     uint8_t *rgba = calloc(4 * (size_t)width, (size_t)height);
-    /* patches of nothing and of all, and noise between */
     const uint32_t salt = random_bits();
     for (int y = 0; y < height; y++)
         for (int x = 0; x < width; x++) {
-            const uint32_t patch = ((uint32_t)(x / 9) * 7919u + (uint32_t)(y / 7) * 104729u + salt) * 2654435761u >> 29;
-            rgba[4 * (y * width + x) + 3] = patch < 3 ? 0 : patch < 7 ? 255 : (uint8_t)random_bits();
+            const uint32_t place = (uint32_t)(x / across) * 7919u + (uint32_t)(y / down) * 104729u,
+                           patch = (place + salt) * 2654435761u >> 29;
+            rgba[4 * (y * width + x) + 3] = patch < empty ? 0 : patch < 7 ? 255 : (uint8_t)random_bits();
         }
     assert_true(daft_texture_build(&allocator, rgba, width, height, &out, NULL));
     free(rgba);
     return out;
+}
+
+static daft_texture_data random_texture(int width, int height) { return patches(width, height, 9, 7, 3); }
+
+/* Patches about a fifth of the picture wide. */
+static daft_texture_data patchy_texture(int width, int height)
+{
+    return patches(width, height, (width + 4) / 5, (height + 3) / 4, 4);
 }
 
 /* What many places of each triangle say never differs from its class; and most that could have one do. */
@@ -144,24 +153,6 @@ static uint32_t cell_at(const daft_mask *m, daft_vec2 uv)
               row = daft_min_i((int)(v * m->down), m->rows - 1);
     const uint32_t at = (uint32_t)(row * m->columns + column);
     return m->cells[at / DAFT_MASK_CELLS] >> DAFT_MASK_BITS * (at % DAFT_MASK_CELLS) & ((1 << DAFT_MASK_BITS) - 1);
-}
-
-/* Patches of nothing, of all and of noise, about a fifth of the picture wide each. */
-static daft_texture_data patchy_texture(int width, int height)
-{
-    daft_allocator allocator = daft_malloc_allocator();
-    daft_texture_data out;
-    uint8_t *rgba = calloc(4 * (size_t)width, (size_t)height);
-    const uint32_t salt = random_bits();
-    for (int y = 0; y < height; y++)
-        for (int x = 0; x < width; x++) {
-            const uint32_t patch =
-                ((uint32_t)(x * 5 / width) * 7919u + (uint32_t)(y * 4 / height) * 104729u + salt) * 2654435761u >> 29;
-            rgba[4 * (y * width + x) + 3] = patch < 4 ? 0 : patch < 7 ? 255 : (uint8_t)random_bits();
-        }
-    assert_true(daft_texture_build(&allocator, rgba, width, height, &out, NULL));
-    free(rgba);
-    return out;
 }
 
 /* What a cell says of its places is what the texture says there, and within the slack of them; where it says a hole,
