@@ -45,9 +45,10 @@ size_t daft_kdtree_bytes(const daft_kdtree *tree);
 
 enum {
     DAFT_INSTANCE_CASTS_SHADOW = 1,
-    DAFT_INSTANCE_CONVEX = 2,        /* no point of it that faces a light lies in its own shadow */
-    DAFT_INSTANCE_TINTS_SHADOW = 4,  /* in place of CASTS_SHADOW: some of the light comes through */
-    DAFT_INSTANCE_FILTERS_SHADOW = 8 /* in place of either: it has surfaces with alpha, each hit says what passes */
+    DAFT_INSTANCE_CONVEX = 2,         /* no point of it that faces a light lies in its own shadow */
+    DAFT_INSTANCE_TINTS_SHADOW = 4,   /* in place of CASTS_SHADOW: some of the light comes through */
+    DAFT_INSTANCE_FILTERS_SHADOW = 8, /* in place of either: it has surfaces with alpha, each hit says what passes */
+    DAFT_INSTANCE_TRANSMITS = 16      /* some of its materials do, whatever shadow it casts */
 };
 
 /* What is known of the alpha at any point of a triangle. */
@@ -195,11 +196,12 @@ typedef struct daft_accel_kernels {
     void (*closest_arrays)(const daft_tlas *tlas, const daft_ray_arrays *rays, uint32_t count, daft_hit *hits);
     /* Sets bit i % 32 of occluded[i / 32] for the rays that are occluded and clears it for the others. */
     void (*occluded_stream)(const daft_tlas *tlas, const daft_ray *rays, uint32_t count, uint32_t *occluded);
-    /* Tells of each hit in tmin <= t <= tmax with the instances of DAFT_INSTANCE_FILTERS_SHADOW, once for each triangle
-     * that is not DAFT_OPACITY_CLEAR and up to twice for a sphere, in an order that hangs on the trees alone. Where
-     * `at` asks for no more within a leaf of a mesh, that is written to *last. */
-    void (*pierce)(const daft_tlas *tlas, const daft_ray *ray, daft_pierced_at *at, void *user,
-                   daft_pierced_leaf *last);
+    /* Tells of each hit in tmin <= t <= tmax with the instances that have this flag but `ignore`, once for each
+     * triangle and up to twice for a sphere, in an order that hangs on the trees alone. For
+     * DAFT_INSTANCE_FILTERS_SHADOW triangles of DAFT_OPACITY_CLEAR are left out. Where `at` asks for no more within a
+     * leaf of a mesh, that is written to *last, which may be NULL. */
+    void (*pierce)(const daft_tlas *tlas, const daft_ray *ray, uint32_t flag, uint32_t ignore, daft_pierced_at *at,
+                   void *user, daft_pierced_leaf *last);
     /* Tells of the hits in one leaf alone, which `pierce` gave for these instances. True: `at` asks for no more. */
     bool (*pierce_leaf)(const daft_tlas *tlas, const daft_ray *ray, const daft_pierced_leaf *leaf, daft_pierced_at *at,
                         void *user);

@@ -1,8 +1,6 @@
 /* Stacks of media, and what lies between two of them. */
 #include "render/media.h"
 
-#include "math/trig.h"
-
 static int depth_of(const daft_media *media)
 {
     int count = 0;
@@ -75,17 +73,11 @@ float daft_media_eta(const daft_media *from, const daft_media *beyond, const daf
     return here / there;
 }
 
-daft_vec3 daft_media_passed(const daft_media *media, const daft_surface *materials, float length)
+daft_vec3 daft_media_loss(const daft_media *media, const daft_surface *materials, float length)
 {
     const uint32_t medium = daft_media_winner(media, materials);
-    if (medium == DAFT_NO_MEDIUM) return daft_v3(1, 1, 1);
-    const daft_vec3 a = materials[medium].absorption;
-    float left[3];
-    for (int k = 0; k < 3; k++) {
-        const double loss = (double)daft_v3_at(a, k) * (double)length;
-        left[k] = loss > 0 ? (float)daft_exp2(-loss) : 1;
-    }
-    return daft_v3(left[0], left[1], left[2]);
+    if (medium == DAFT_NO_MEDIUM) return daft_v3(0, 0, 0);
+    return daft_scale(materials[medium].absorption, length);
 }
 
 static bool facet_from_inside(const daft_instance *instance, uint32_t triangle, daft_vec3 outward)
@@ -94,6 +86,12 @@ static bool facet_from_inside(const daft_instance *instance, uint32_t triangle, 
     const uint32_t *corner = &mesh->indices[3 * (size_t)triangle];
     if (mesh->normals) {
         const uint32_t *at = mesh->normal_indices ? &mesh->normal_indices[3 * (size_t)triangle] : corner;
+        /* mostly all three say the same, whatever their lengths */
+        const daft_vec3 towards = daft_affine_vector(&instance->to_object, outward);
+        const float a = daft_dot(mesh->normals[at[0]], towards), b = daft_dot(mesh->normals[at[1]], towards),
+                    c = daft_dot(mesh->normals[at[2]], towards);
+        if (a > 0 && b > 0 && c > 0) return false;
+        if (a < 0 && b < 0 && c < 0) return true;
         daft_vec3 sum = {0, 0, 0};
         for (int k = 0; k < 3; k++)
             sum = daft_add(sum, daft_normalize(daft_affine_transposed(&instance->to_object, mesh->normals[at[k]])));

@@ -40,8 +40,8 @@ void daft_media_learn(daft_media *media, uint32_t material);
  * around it for air, if it has none either. */
 float daft_media_eta(const daft_media *from, const daft_media *beyond, const daft_surface *materials, uint32_t material,
                      bool leaves);
-/* The fraction of light that so many metres leave, by Beer's law. */
-daft_vec3 daft_media_passed(const daft_media *media, const daft_surface *materials, float length);
+/* The loss of light on so many metres, as powers of 1/2 (Beer's law); losses add up along the way. */
+daft_vec3 daft_media_loss(const daft_media *media, const daft_surface *materials, float length);
 
 /* Whether a point's surface is seen from its inner side. `outward`: the geometric normal towards the viewer, of any
  * length. The outer side is where the mesh's normals point, as for shading, or where its corners run counter-clockwise

@@ -183,6 +183,13 @@ static bool any_blends(const daft_scene *scene, const uint32_t *materials, uint3
     return false;
 }
 
+static bool any_transmits(const daft_scene *scene, const uint32_t *materials, uint32_t slots)
+{
+    for (uint32_t i = 0; i < slots; i++)
+        if (scene->assets.surfaces[materials[i]].transmission > 0) return true;
+    return false;
+}
+
 static const daft_opacity_set *opacity_of(const maker *m, const daft_entity_item *item, daft_mesh_item *shape)
 {
     if (!shape || !item->def.casts_shadow) return NULL;
@@ -244,7 +251,10 @@ static uint32_t flags_of(const daft_scene *scene, const daft_entity_item *item, 
 {
     uint32_t shadow = shadow_of(scene, instance, opacity);
     bool convex = shadow == DAFT_INSTANCE_CASTS_SHADOW && seen_from_outside(item, instance);
-    return (item->def.casts_shadow ? shadow : 0) | (convex ? DAFT_INSTANCE_CONVEX : 0);
+    const uint32_t slots = instance->mesh && instance->mesh->slot_count ? instance->mesh->slot_count : 1;
+    const bool transmits = any_transmits(scene, instance->materials, slots);
+    return (item->def.casts_shadow ? shadow : 0) | (convex ? DAFT_INSTANCE_CONVEX : 0) |
+           (transmits ? DAFT_INSTANCE_TRANSMITS : 0);
 }
 
 static void place_entity(const maker *m, uint32_t i)

@@ -39,6 +39,7 @@ void DAFT_KERNEL(daft_area_gleam)(const daft_batch *batch, uint32_t i, const daf
 void DAFT_KERNEL(daft_sky_color)(const daft_sky *sky, const daft_lanes3 *direction, uint32_t count, daft_lanes3 *color);
 void DAFT_KERNEL(daft_fog_way)(const daft_air *air, const daft_lanes3 *origin, const daft_lanes3 *direction,
                                const float *length, uint32_t first, uint32_t count, float *through, daft_lanes3 *own);
+void DAFT_KERNEL(daft_fade)(daft_lanes3 *light, uint32_t first, uint32_t count, const daft_lanes3 *loss);
 void DAFT_KERNEL(daft_tone_light)(const daft_tone *tone, const float *const light[3], uint32_t count,
                                   float *const out[3]);
 void DAFT_KERNEL(daft_encode)(const float *r, const float *g, const float *b, uint32_t count, uint8_t *rgba);

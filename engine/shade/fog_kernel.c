@@ -1,11 +1,13 @@
-/* Fog along rays: Bouguer's law, exp(-optical depth), of an air whose density falls exponentially with height (Wenzel,
- * "Real-time atmospheric effects in games", SIGGRAPH 2006 course). From the height y, rising by k scale heights a
- * metre, the optical depth of s metres is density(y) * (1 - exp(-k s)) / k. */
+/* What light loses on its way, by Bouguer's law. Fog along rays: exp(-optical depth), of an air whose density falls
+ * exponentially with height (Wenzel, "Real-time atmospheric effects in games", SIGGRAPH 2006 course). From the height
+ * y, rising by k scale heights a metre, the optical depth of s metres is density(y) * (1 - exp(-k s)) / k. */
 #include "shade/batch_lanes.h"
 
 #define LOG2_E 1.44269504f
 /* Optical depth beyond which nothing comes through: exp(-80) is far below any picture's step. */
 #define MOST_DEPTH 80.0f
+/* The same as a power of 1/2. */
+#define MOST_LOSS 96.0f
 
 DAFT_INLINE vf fog_exp(vf x)
 {
@@ -52,5 +54,18 @@ void DAFT_KERNEL(daft_fog_way)(const daft_air *air, const daft_lanes3 *origin, c
         const vf lost = one - left;
         vf_store(&through[i], left);
         lanes_store(own, i, (vf3){color.x * lost, color.y * lost, color.z * lost});
+    }
+}
+
+void DAFT_KERNEL(daft_fade)(daft_lanes3 *light, uint32_t first, uint32_t count, const daft_lanes3 *loss)
+{
+    float *const of[3] = {light->x + first, light->y + first, light->z + first};
+    const float *const by[3] = {loss->x, loss->y, loss->z};
+    for (uint32_t i = 0; i < count; i += DAFT_VL) {
+        const vm some = vm_from_bits(vbits_first_n((int)(count - i)));
+        for (int k = 0; k < 3; k++) {
+            const vf all = vf_load(&of[k][i]), lost = vf_if_then_else(some, vf_load(&by[k][i]), vf_set(0));
+            vf_store(&of[k][i], vf_if_then_else(vf_lt(lost, vf_set(MOST_LOSS)), all * vf_exp2(-lost), vf_set(0)));
+        }
     }
 }

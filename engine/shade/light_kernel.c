@@ -324,6 +324,7 @@ const daft_shade_kernels DAFT_KERNEL(daft_shade) = {
     .direct_light = direct_light,
     .sky = DAFT_KERNEL(daft_sky_color),
     .fog = DAFT_KERNEL(daft_fog_way),
+    .fade = DAFT_KERNEL(daft_fade),
     .scatter = scatter,
     .scatter_add = scatter_add,
     .tone = DAFT_KERNEL(daft_tone_light),

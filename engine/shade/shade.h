@@ -266,6 +266,9 @@ typedef struct daft_shade_kernels {
      * with the first ray's. */
     void (*fog)(const daft_air *air, const daft_lanes3 *origin, const daft_lanes3 *direction, const float *length,
                 uint32_t first, uint32_t count, float *through, daft_lanes3 *own);
+    /* Of the light first.. of `count` rays a factor 2^-loss is left. `loss`: 0 or more, and begins with the first
+     * ray's; whole registers of it are read. */
+    void (*fade)(daft_lanes3 *light, uint32_t first, uint32_t count, const daft_lanes3 *loss);
     /* color[pixel[i]] = light[i], and += weight[i]·light[i]. */
     void (*scatter)(daft_lanes3 *color, const uint32_t *pixel, uint32_t count, const daft_lanes3 *light);
     void (*scatter_add)(daft_lanes3 *color, const uint32_t *pixel, uint32_t count, const daft_lanes3 *weight,

@@ -1,7 +1,8 @@
 /* All hits of a ray, not the nearest alone: of shadow rays on their way through surfaces with alpha, where each hit
- * says what passes. Nodes, blocks and triangles are tested as for any other ray (ray_test.h); leaves are taken whole,
- * in the order of the tree, so that the order of hits is the same on every instruction set. Only single rays, and
- * always by the BVH: what comes of a hit takes longer than finding it. */
+ * says what passes, or through bodies that transmit, where each leads into another medium. Nodes, blocks and triangles
+ * are tested as for any other ray (ray_test.h); leaves are taken whole, in the order of the tree, so that the order of
+ * hits is the same on every instruction set. Only single rays, and always by the BVH: what comes of a hit takes longer
+ * than finding it. */
 #include "accel/traverse/instance_ray.h"
 
 /* A ray on its way. */
@@ -11,8 +12,9 @@ typedef struct piercing {
     daft_pierced_at *at;
     void *user;
     uint32_t instance;
-    const uint8_t *opacity; /* the instance's */
+    const uint8_t *opacity; /* the instance's; NULL: no triangle is left out */
     daft_pierced_leaf *last;
+    uint32_t flag, ignore;
 } piercing;
 
 static bool tell(const piercing *p, uint32_t triangle, float t, float u, float v)
@@ -82,7 +84,8 @@ static daft_mesh_ray mesh_ray(const piercing *p, const simd_ray *local)
                             p->tlas->intersection);
 }
 
-static bool mesh_pierce(const piercing *p, const daft_bvh *bvh, const simd_ray *local)
+/* `plain`: as slab_test has it. */
+DAFT_INLINE bool tree_pierce(const piercing *p, const daft_bvh *bvh, const simd_ray *local, bool plain)
 {
     const daft_ray *ray = p->ray;
     const daft_mesh_ray r = mesh_ray(p, local);
@@ -94,17 +97,23 @@ static bool mesh_pierce(const piercing *p, const daft_bvh *bvh, const simd_ray *
         v8 near;
         if (child & DAFT_CHILD_LEAF) {
             if (!leaf_pierce(p, bvh->blocks, child, &r, ray->tmax)) {
-                *p->last = (daft_pierced_leaf){p->instance, child};
+                if (p->last) *p->last = (daft_pierced_leaf){p->instance, child};
                 return false;
             }
             child = *--top;
             continue;
         }
         const daft_node *node = &bvh->nodes.items[child];
-        const uint32_t bits = slab_test((const char *)node, &local->slabs, &at, &at, false, low, high, &near);
+        const uint32_t bits = slab_test((const char *)node, &local->slabs, &at, &at, plain, low, high, &near);
         child = bits ? push_unsorted(node, bits, false, &top) : *--top;
     }
     return true;
+}
+
+static __attribute__((noinline)) bool mesh_pierce(const piercing *p, const daft_bvh *bvh, const simd_ray *local)
+{
+    return p->ray->tmin >= 0 && local->slabs.plain ? tree_pierce(p, bvh, local, true)
+                                                   : tree_pierce(p, bvh, local, false);
 }
 
 /* Where it comes in and where it goes out. */
@@ -130,8 +139,8 @@ static bool move_ray(const daft_instance *instance, const simd_ray *frame, simd_
 static bool instance_pierce(piercing *p, uint32_t index, const simd_ray *frame)
 {
     const daft_instance *instance = &p->tlas->instances[index];
-    if (!(instance->flags & DAFT_INSTANCE_FILTERS_SHADOW)) return true;
-    p->instance = index, p->opacity = instance->opacity;
+    if (!(instance->flags & p->flag) || index == p->ignore) return true;
+    p->instance = index, p->opacity = p->flag == DAFT_INSTANCE_FILTERS_SHADOW ? instance->opacity : NULL;
     if (!instance->mesh) return sphere_pierce(p, instance);
     if (instance->mesh->triangle_count == 0) return true;
     simd_ray local = *frame;
@@ -143,7 +152,8 @@ bool DAFT_KERNEL(daft_pierce_leaf)(const daft_tlas *tlas, const daft_ray *ray, c
 {
     if (leaf->instance == DAFT_NO_LEAF || !daft_ray_usable(ray)) return false;
     const daft_instance *instance = &tlas->instances[leaf->instance];
-    const piercing p = {tlas, ray, at, user, leaf->instance, instance->opacity, NULL};
+    const piercing p = {
+        .tlas = tlas, .ray = ray, .at = at, .user = user, .instance = leaf->instance, .opacity = instance->opacity};
     const simd_ray frame = simd_ray_of(ray);
     simd_ray local = frame;
     if (!move_ray(instance, &frame, &local)) return false;
@@ -151,11 +161,11 @@ bool DAFT_KERNEL(daft_pierce_leaf)(const daft_tlas *tlas, const daft_ray *ray, c
     return !leaf_pierce(&p, instance->bvh->blocks, leaf->child, &r, ray->tmax);
 }
 
-void DAFT_KERNEL(daft_pierce)(const daft_tlas *tlas, const daft_ray *ray, daft_pierced_at *at, void *user,
-                              daft_pierced_leaf *last)
+void DAFT_KERNEL(daft_pierce)(const daft_tlas *tlas, const daft_ray *ray, uint32_t flag, uint32_t ignore,
+                              daft_pierced_at *at, void *user, daft_pierced_leaf *last)
 {
     if (tlas->nodes.count == 0 || !daft_ray_usable(ray)) return;
-    piercing p = {.tlas = tlas, .ray = ray, .at = at, .user = user, .last = last};
+    piercing p = {.tlas = tlas, .ray = ray, .at = at, .user = user, .last = last, .flag = flag, .ignore = ignore};
     const simd_ray frame = simd_ray_of(ray);
     slab_origin from, until;
     slab_upper_origins(frame.origin, frame.direction, &from, &until);

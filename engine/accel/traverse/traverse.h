@@ -39,8 +39,8 @@ void DAFT_KERNEL(daft_closest_stream)(const daft_tlas *tlas, const daft_ray *ray
                                       daft_hit *hits);
 void DAFT_KERNEL(daft_occluded_stream)(const daft_tlas *tlas, const daft_ray *rays, uint32_t count, uint32_t *occluded);
 /* pierce_kernel.c */
-void DAFT_KERNEL(daft_pierce)(const daft_tlas *tlas, const daft_ray *ray, daft_pierced_at *at, void *user,
-                              daft_pierced_leaf *last);
+void DAFT_KERNEL(daft_pierce)(const daft_tlas *tlas, const daft_ray *ray, uint32_t flag, uint32_t ignore,
+                              daft_pierced_at *at, void *user, daft_pierced_leaf *last);
 bool DAFT_KERNEL(daft_pierce_leaf)(const daft_tlas *tlas, const daft_ray *ray, const daft_pierced_leaf *leaf,
                                    daft_pierced_at *at, void *user);
 /* bound_kernel.c */

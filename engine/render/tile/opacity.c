@@ -116,7 +116,7 @@ static daft_vec3 left_of(tile_job *j, const daft_batch *points, uint32_t i, cons
               .left = {1, 1, 1}};
     if (!neighbours || !j->r->accel->pierce_leaf(j->frame->tlas, ray, last, meet, &b)) {
         b.left[0] = b.left[1] = b.left[2] = 1;
-        j->r->accel->pierce(j->frame->tlas, ray, meet, &b, last);
+        j->r->accel->pierce(j->frame->tlas, ray, DAFT_INSTANCE_FILTERS_SHADOW, UINT32_MAX, meet, &b, last);
     }
     j->s->alpha_reads += b.reads;
     return daft_v3((float)b.left[0], (float)b.left[1], (float)b.left[2]);

@@ -248,13 +248,17 @@ static void all_hits_are_found(void **unused)
     fixture_seed(93);
     int hits = 0;
     daft_allocator allocator = daft_malloc_allocator();
-    for (int round = 0; round < 6; round++) {
+    for (int round = 0; round < 12; round++) {
         fixture_mesh m = mesh_soup(TRIANGLES, 1, 0.8f), one[TRIANGLES];
         daft_affine place = affine_make(random_rotation(), daft_v3(1, 2, 1), random_vec3(-1, 1));
         daft_instance all[2] = {instance_make(&m, place), sphere_make(random_vec3(-1, 1), 0.7f)};
         daft_arena arena;
         daft_arena_init(&arena, &allocator);
-        all[0].flags = DAFT_INSTANCE_FILTERS_SHADOW, all[1].flags = round % 2 ? DAFT_INSTANCE_FILTERS_SHADOW : 0;
+        const uint32_t flag = round % 3 < 2 ? DAFT_INSTANCE_FILTERS_SHADOW : DAFT_INSTANCE_TRANSMITS,
+                       ignore = round % 4 == 3 ? 1 : UINT32_MAX;
+        const bool ball = round % 2 && ignore == UINT32_MAX,
+                   clear = round % 3 != 1 && flag == DAFT_INSTANCE_FILTERS_SHADOW;
+        all[0].flags = flag | DAFT_INSTANCE_CASTS_SHADOW, all[1].flags = round % 2 ? flag : DAFT_INSTANCE_CASTS_SHADOW;
         const daft_tlas *tlas = daft_tlas_build(&arena, all, 2, NULL), *single[TRIANGLES];
         uint8_t classes[TRIANGLES];
         for (uint32_t i = 0; i < m.mesh.triangle_count; i++) {
@@ -270,7 +274,7 @@ static void all_hits_are_found(void **unused)
             single[i] = daft_tlas_build(&arena, alone, 1, NULL);
             classes[i] = random_bits() % 4 ? DAFT_OPACITY_MIXED : DAFT_OPACITY_CLEAR;
         }
-        if (round % 3 == 0) all[0].opacity = classes;
+        if (round % 3 != 1) all[0].opacity = classes;
         for (int n = 0; n < 200; n++) {
             const daft_ray ray = {
                 .origin = random_vec3(-3, 3), .direction = random_vec3(-1, 1), .tmax = n % 2 ? INFINITY : 2};
@@ -280,16 +284,16 @@ static void all_hits_are_found(void **unused)
                 found f = {0};
                 uint32_t spheres = 0;
                 daft_pierced_leaf last;
-                k->pierce(tlas, &ray, note, &f, &last);
+                k->pierce(tlas, &ray, flag, ignore, note, &f, &last);
                 if (isa == 0) first = f;
                 assert_int_equal(first.count, f.count);
                 assert_memory_equal(first.hit, f.hit, f.count * sizeof f.hit[0]);
                 for (uint32_t i = 0; i < f.count; i++) spheres += f.hit[i].instance == 1;
-                assert_true(spheres <= (round % 2 ? 2u : 0u));
+                assert_true(spheres <= (ball ? 2u : 0u));
                 uint32_t expected = spheres;
                 for (uint32_t i = 0; i < m.mesh.triangle_count; i++) {
                     daft_hit hit;
-                    if (all[0].opacity && classes[i] == DAFT_OPACITY_CLEAR) continue;
+                    if (clear && classes[i] == DAFT_OPACITY_CLEAR) continue;
                     if (!k->closest(single[i], &ray, UINT32_MAX, &hit)) continue;
                     uint32_t at = 0;
                     while (at < f.count && !(f.hit[at].instance == 0 && f.hit[at].triangle == i)) at++;
