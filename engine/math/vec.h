@@ -86,6 +86,11 @@ static inline daft_vec3 daft_affine_transposed(const daft_affine *a, daft_vec3 v
                    (a->m[2] * v.x + a->m[5] * v.y) + a->m[8] * v.z);
 }
 
+/* A box that stands askew: products of the axes and the way from the middle are -1 to 1 within. */
+typedef struct daft_slanted_box {
+    daft_vec3 middle, axes[3];
+} daft_slanted_box;
+
 /* ---- rotations: unit quaternions, w real ---- */
 
 static inline daft_quat daft_quat_identity(void) { return (daft_quat){0, 0, 0, 1}; }

@@ -45,10 +45,14 @@ enum {
 };
 _Static_assert((DAFT_TILE & (DAFT_TILE - 1)) == 0, "places in a tile are split into row and column by shifts");
 
-/* Where the rays of a light's pencil meet, in frame space: a point, or infinitely far in a unit direction. */
+/* Where the rays of a light's pencil meet, in frame space: a point, or infinitely far in a unit direction. To a point
+ * they may end before: nothing hides them so many metres around it, nor on that part of their way before it, nor from
+ * where they come into a box, unless it is NULL. */
 typedef struct daft_apex {
     bool infinite;
     daft_vec3 at;
+    float around, before;
+    const daft_slanted_box *box;
 } daft_apex;
 
 /* View space: x right, y up, z forward, its origin anywhere on the axis of the pencil. The apex stands at (0, 0,

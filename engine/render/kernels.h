@@ -27,9 +27,22 @@ static inline daft_samples daft_samples_of(const daft_batch *b)
                           .pixel = b->pixel};
 }
 
+/* Rays to a sphere that glows end before it, which is a little larger here, by more than roundings of its place; and
+ * before a rectangle, where something that glows may lie. */
+#define DAFT_BEFORE_RECTANGLE 0.001f
+static inline float daft_sphere_end(const daft_light_source *light)
+{
+    const daft_vec3 p = light->position;
+    return 1.001f * light->radius + 0x1p-20f * (fabsf(p.x) + fabsf(p.y) + fabsf(p.z));
+}
+
 static inline daft_apex daft_apex_of(const daft_light_source *light)
 {
-    return (daft_apex){.infinite = light->sun, .at = light->sun ? light->to_light : light->position};
+    return (daft_apex){.infinite = light->sun,
+                       .at = light->sun ? light->to_light : light->position,
+                       .around = light->area == DAFT_AREA_SPHERE ? daft_sphere_end(light) : 0,
+                       .before = light->area == DAFT_AREA_RECTANGLE ? DAFT_BEFORE_RECTANGLE : 0,
+                       .box = light->bounded ? &light->bounds : NULL};
 }
 
 /* Rays, side by side, with where they came from. */
@@ -295,6 +308,10 @@ typedef struct daft_render_kernels {
     /* Before the first light is drawn; then of the lights in their order: which points ask it. */
     void (*sum_candidates)(daft_candidates *all, const daft_drawing *how);
     void (*draw_light)(daft_candidates *all, const daft_drawing *how, uint32_t light, daft_asking *out);
+    /* Moves the bits of points that do not see the middle of an area that lights, from before it and above their
+     * horizon, to `aside`; gives whether there are any. */
+    bool (*skip_middle)(const daft_batch *points, const daft_light_source *light, uint32_t bits[DAFT_BATCH_WORDS],
+                        uint32_t aside[DAFT_BATCH_WORDS]);
     /* Ray number[i] of rays[i] of point[i], for `count` of them, and its weight; 0: there is none. Writes whole
      * registers; `out` is 16-byte aligned. */
     void (*rectangle_rays)(const daft_area_rays *def, const uint32_t *point, const int32_t *number, const int32_t *rays,
@@ -325,6 +342,8 @@ void DAFT_KERNEL(daft_take_light)(daft_batch *points, const daft_lanes3 *before,
                                   daft_lanes3 *whole, daft_lanes3 *from);
 void DAFT_KERNEL(daft_sum_candidates)(daft_candidates *all, const daft_drawing *how);
 void DAFT_KERNEL(daft_draw_light)(daft_candidates *all, const daft_drawing *how, uint32_t light, daft_asking *out);
+bool DAFT_KERNEL(daft_skip_middle)(const daft_batch *points, const daft_light_source *light,
+                                   uint32_t bits[DAFT_BATCH_WORDS], uint32_t aside[DAFT_BATCH_WORDS]);
 void DAFT_KERNEL(daft_rectangle_rays)(const daft_area_rays *def, const uint32_t *point, const int32_t *number,
                                       const int32_t *rays, uint32_t count, daft_ray *out, float *weight);
 void DAFT_KERNEL(daft_find_corners)(const daft_neighbours *neighbours, const daft_contrast *limit,

@@ -171,11 +171,11 @@ DAFT_INLINE vf draw_place(const daft_light_source *light, vf3 from, vf3 n, const
 DAFT_INLINE vf bounds_at(const daft_light_source *light, vf3 origin, vf3 to, vf last)
 {
     const vf zero = vf_set(0), one = vf_set(1), end = last;
-    const vf3 from = minus(origin, spread(light->bounds_middle));
+    const vf3 from = minus(origin, spread(light->bounds.middle));
     vf first = zero;
     vm beside = vf_lt(one, zero);
     for (int k = 0; k < 3; k++) {
-        const vf3 axis = spread(light->bounds_axes[k]);
+        const vf3 axis = spread(light->bounds.axes[k]);
         const vf at = vf3_dot(axis, from), by = vf3_dot(axis, to);
         beside = vm_or(beside, vm_and(vf_lt(one, vf_abs(at)), vf_le(zero, at * by)));
         const vm along = vm_and(vf_le(zero, by), vf_le(by, zero));
@@ -184,6 +184,29 @@ DAFT_INLINE vf bounds_at(const daft_light_source *light, vf3 origin, vf3 to, vf 
         last = vf_if_then_else(along, last, vf_min(last, vf_max(a, b)));
     }
     return vf_if_then_else(vm_and(vm_not(beside), vf_le(first, last)), first, end);
+}
+
+bool DAFT_KERNEL(daft_skip_middle)(const daft_batch *points, const daft_light_source *light,
+                                   uint32_t bits[DAFT_BATCH_WORDS], uint32_t aside[DAFT_BATCH_WORDS])
+{
+    const daft_vec3 at = light->position, back = light->to_light;
+    const bool ball = light->area == DAFT_AREA_SPHERE;
+    const vf zero = vf_set(0), r2 = vf_set(light->radius * light->radius);
+    uint32_t some = 0;
+    memset(aside, 0, DAFT_BATCH_WORDS * sizeof aside[0]);
+    for (uint32_t i = 0; i < points->count; i += DAFT_VL) {
+        const vbits in = bits[i / 32] >> (i % 32) & DAFT_ALL_LANES;
+        if (!in) continue;
+        const vf3 to = {vf_set(at.x) - vf_load(&points->shadow_origin.x[i]),
+                        vf_set(at.y) - vf_load(&points->shadow_origin.y[i]),
+                        vf_set(at.z) - vf_load(&points->shadow_origin.z[i])};
+        const vf3 n = {vf_load(&points->normal.x[i]), vf_load(&points->normal.y[i]), vf_load(&points->normal.z[i])};
+        const vm before = ball ? vf_lt(r2, vf3_dot(to, to))
+                               : vf_lt(zero, vf3_dot(to, (vf3){vf_set(back.x), vf_set(back.y), vf_set(back.z)}));
+        const vbits out = in & ~vbits_from_mask(vm_and(before, vf_lt(zero, vf3_dot(to, n))));
+        aside[i / 32] |= out << (i % 32), bits[i / 32] &= ~(out << (i % 32)), some |= out;
+    }
+    return some != 0;
 }
 
 void DAFT_KERNEL(daft_rectangle_rays)(const daft_area_rays *def, const uint32_t *point, const int32_t *number,
@@ -197,7 +220,7 @@ void DAFT_KERNEL(daft_rectangle_rays)(const daft_area_rays *def, const uint32_t 
         const thrown d = throw_dice(def, at, vi_load(&number[i]), of);
         vf3 to;
         const vf sum = draw_place(def->light, from, n, &d, &to);
-        vf last = vf_set(0.999f);
+        vf last = vf_set(1 - DAFT_BEFORE_RECTANGLE);
         if (def->light->bounded) last = bounds_at(def->light, from, to, last);
         const vf fields[8] = {from.x, from.y, from.z, vf_set(0), to.x, to.y, to.z, last};
         vf_store_interleaved8(&out[i].origin.x, 8, fields);

@@ -76,8 +76,7 @@ static bool light_has_size(const daft_snapshot *snapshot)
 {
     for (uint32_t i = 0; i < snapshot->light_count; i++) {
         const daft_light_source *light = &snapshot->lights[i];
-        if (light->casts_shadow && (light->area || (light->radius > 0 && snapshot->quality.shadow_samples > 0)))
-            return true;
+        if (light->casts_shadow && (light->area || light->radius > 0)) return true;
     }
     return false;
 }
@@ -111,14 +110,14 @@ daft_plan daft_plan_make(const daft_snapshot *snapshot)
     why[DAFT_EFFECT_SHADOW] = shadow_reason(snapshot, plan.quality, &plan.shadows);
     none[DAFT_EFFECT_SHADOW] =
         plan.shadows ? "no lit point lies under anything's bounds, seen from a light" : why[DAFT_EFFECT_SHADOW];
-    plan.soft = plan.shadows && light_has_size(snapshot);
+    plan.soft = plan.shadows && plan.quality->shadow_samples > 0 && light_has_size(snapshot);
     why[DAFT_EFFECT_OCCLUSION] = occlusion_reason(snapshot, &plan.occlusion);
     none[DAFT_EFFECT_OCCLUSION] = plan.occlusion ? "no surface is seen" : why[DAFT_EFFECT_OCCLUSION];
     plan.glossy = plan.quality->glossy_samples > 0 &&
                   (plan.quality->mirror_depth > 0 || plan.quality->refraction_depth > 0) &&
                   some_material(snapshot, is_rough);
     plan.samples_light = plan.soft || plan.occlusion;
-    const bool sampled = (plan.soft && plan.quality->shadow_samples > 0) || plan.occlusion || plan.glossy;
+    const bool sampled = plan.samples_light || plan.glossy;
     plan.denoise = sampled && plan.quality->denoise;
     why[DAFT_EFFECT_DENOISE] = "light is sampled";
     none[DAFT_EFFECT_DENOISE] = plan.denoise ? "no sampled light is seen"
@@ -184,7 +183,7 @@ static void narrow_sampling(daft_plan *plan, const daft_snapshot *snapshot, cons
         reached = raster->visible[i].instance && soft_light_reaches(snapshot, raster->visible[i].instance);
     plan->soft = reached, plan->glossy = false;
     plan->samples_light = plan->soft || plan->occlusion;
-    plan->denoise = (plan->soft && plan->quality->shadow_samples > 0) || plan->occlusion;
+    plan->denoise = plan->samples_light;
 }
 
 void daft_plan_narrow(daft_plan *plan, const daft_snapshot *snapshot, const daft_raster *raster)

@@ -247,8 +247,8 @@ static bool same_light(const daft_light_source *a, const daft_light_source *b)
            a->cone_scale == b->cone_scale && same_floats(&a->position.x, &b->position.x, 3) &&
            same_floats(&a->to_light.x, &b->to_light.x, 3) && same_floats(&a->color.x, &b->color.x, 3) &&
            a->area == b->area && same_floats(&a->edges[0].x, &b->edges[0].x, 6) && a->entity == b->entity &&
-           a->bounded == b->bounded && same_floats(&a->bounds_middle.x, &b->bounds_middle.x, 3) &&
-           same_floats(&a->bounds_axes[0].x, &b->bounds_axes[0].x, 9);
+           a->bounded == b->bounded && same_floats(&a->bounds.middle.x, &b->bounds.middle.x, 3) &&
+           same_floats(&a->bounds.axes[0].x, &b->bounds.axes[0].x, 9);
 }
 
 /* ---- which tiles ---- */

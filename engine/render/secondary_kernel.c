@@ -366,4 +366,5 @@ const daft_render_kernels DAFT_KERNEL(daft_render) = {.surfaces = DAFT_KERNEL(da
                                                       .take_light = DAFT_KERNEL(daft_take_light),
                                                       .sum_candidates = DAFT_KERNEL(daft_sum_candidates),
                                                       .draw_light = DAFT_KERNEL(daft_draw_light),
+                                                      .skip_middle = DAFT_KERNEL(daft_skip_middle),
                                                       .rectangle_rays = DAFT_KERNEL(daft_rectangle_rays)};

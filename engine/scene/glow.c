@@ -228,13 +228,13 @@ static bool bound(const placed *p, daft_light_source *light)
     for (int k = 0; k < 3; k++)
         sides[k] = daft_dscale(p->columns[k], daft_dv3_at(half, k) + more / length_of(p->columns[k]));
     const double volume = daft_ddot(daft_dcross(sides[0], sides[1]), sides[2]);
-    light->bounds_middle = daft_to_float(middle), light->bounded = true;
+    light->bounds.middle = daft_to_float(middle), light->bounded = true;
     for (int k = 0; k < 3; k++) {
         const daft_dvec3 across = daft_dcross(sides[(k + 1) % 3], sides[(k + 2) % 3]);
-        light->bounds_axes[k] = daft_to_float(daft_dscale(across, 1 / volume));
-        if (!daft_finite3(light->bounds_axes[k])) return false;
+        light->bounds.axes[k] = daft_to_float(daft_dscale(across, 1 / volume));
+        if (!daft_finite3(light->bounds.axes[k])) return false;
     }
-    return daft_fits_kernels(light->bounds_middle);
+    return daft_fits_kernels(light->bounds.middle);
 }
 
 static uint32_t light_sphere(const daft_scene *scene, const daft_entity_item *item, const daft_daffine *world,

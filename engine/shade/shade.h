@@ -118,7 +118,7 @@ typedef struct daft_light_source {
     uint32_t entity;    /* whose it is, which is no occluder of its own light and is seen in mirrors; 0: nobody's */
     /* Of an entity that the area stands in for: rays end before its bounds, and do not light it. */
     bool bounded;
-    daft_vec3 bounds_middle, bounds_axes[3]; /* products of these and the way from the middle: -1 to 1 within */
+    daft_slanted_box bounds;
 } daft_light_source;
 
 /* Fog as its kernel reads it, in frame space. */

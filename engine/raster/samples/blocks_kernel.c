@@ -97,11 +97,50 @@ DAFT_INLINE vi pick(const void *base, const uint32_t *at, const float *from, boo
     return rows ? (vi)vf_load_blocks(from, DAFT_TILE) : vi_gather_index(base, vi_load(at));
 }
 
+DAFT_INLINE vf along(daft_vec3 axis, vf3 v)
+{
+    return vf_set(axis.x) * v.x + vf_set(axis.y) * v.y + vf_set(axis.z) * v.z;
+}
+
+/* box_enter in lanes. */
+static vf boxes_enter(const daft_apex *light, vf3 from)
+{
+    const daft_slanted_box *box = light->box;
+    const daft_vec3 m = box->middle, to = light->at;
+    const vf one = vf_set(1), zero = vf_set(0);
+    const vf3 rest = {from.x - vf_set(m.x), from.y - vf_set(m.y), from.z - vf_set(m.z)},
+              way = {vf_set(to.x) - from.x, vf_set(to.y) - from.y, vf_set(to.z) - from.z};
+    vf first = zero, last = one;
+    vm meets = vf_le(zero, one);
+    for (int k = 0; k < 3; k++) {
+        const vf at = along(box->axes[k], rest), by = along(box->axes[k], way);
+        meets = vm_and(meets, vm_or(vf_le(vf_abs(at), one), vf_lt(at * by, zero)));
+        const vm level = vm_and(vf_le(by, zero), vf_le(zero, by));
+        const vf a = (-one - at) / by, b = (one - at) / by;
+        first = vf_if_then_else(level, first, vf_max(first, vf_min(a, b)));
+        last = vf_if_then_else(level, last, vf_min(last, vf_max(a, b)));
+    }
+    return vf_if_then_else(vm_and(meets, vf_le(first, last)), first, one);
+}
+
+/* At which depths the rays of points end, from their places in frame and in view space. */
+DAFT_INLINE vf ends_of(const light_view *l, vf3 from, vf3 p, vf z)
+{
+    const daft_apex *light = l->light;
+    const vf at = vf_set(-l->pencil.away);
+    if (l->pencil.parallel) return vf_set(-INFINITY);
+    if (!(light->around > 0 || light->before > 0 || light->box)) return at;
+    const vf way = vf_sqrt(p.x * p.x + p.y * p.y + z * z);
+    vf left = vf_max(vf_set(light->before), vf_set(light->around) / way);
+    if (light->box) left = vf_max(left, vf_set(1) - boxes_enter(light, from));
+    return at + z * left;
+}
+
 DAFT_INLINE void fill_block(const blocks_job *c, const places *from, uint32_t b, bool rows, shadow_points *to)
 {
     const light_view *l = c->view;
     const vf inf = vf_set(INFINITY);
-    vf lu = inf, lv = inf, hu = -inf, hv = -inf, far = -inf;
+    vf lu = inf, lv = inf, hu = -inf, hv = -inf, far = -inf, end = inf;
     uint32_t first = from->at[b * SHADOW_BLOCK + (uint32_t)__builtin_ctz(from->used[b])], one = 0;
     const vi on = vi_set((int32_t)c->samples->instance[first]), own = vi_set((int32_t)c->own[first]);
     to->used[b] = from->used[b], to->under[b] = 0;
@@ -113,12 +152,15 @@ DAFT_INLINE void fill_block(const blocks_job *c, const places *from, uint32_t b,
         vf3 p = {(vf)pick(origin->x, place, (const float *)origin->x + place[0], rows),
                  (vf)pick(origin->y, place, (const float *)origin->y + place[0], rows),
                  (vf)pick(origin->z, place, (const float *)origin->z + place[0], rows)};
+        const vf3 origin_of = p;
         p = to_view_space(&l->pencil, p);
         picture_place seen = picture_of(l, p);
         vf depth = vf_if_then_else(used, p.z, -inf);
         vf_store(&to->u[at], seen.u), vf_store(&to->v[at], seen.v);
         vf_store(&to->x[at], p.x), vf_store(&to->y[at], p.y), vf_store(&to->z[at], seen.z);
-        vf_store(&to->depth[at], depth);
+        const vf ends = ends_of(l, origin_of, p, seen.z);
+        vf_store(&to->depth[at], depth), vf_store(&to->end[at], ends);
+        end = vf_min(vf_if_then_else(used, ends, inf), end);
         vi_store(&to->source[at], vi_load(place));
         vi instance = pick(c->samples->instance, place, (const float *)c->samples->instance + place[0], rows);
         vi triangle = pick(c->own, place, (const float *)c->own + place[0], rows);
@@ -134,6 +176,7 @@ DAFT_INLINE void fill_block(const blocks_job *c, const places *from, uint32_t b,
     const v4 box = v4_reduce_min4(lu, -hu, lv, -hv);
     to->low_u[b] = box[0], to->high_u[b] = -box[1], to->low_v[b] = box[2], to->high_v[b] = -box[3];
     to->far[b] = vf_reduce_max(far);
+    to->min_end = fminf(to->min_end, vf_reduce_min(end));
 }
 
 /* ---- squares that are no neighbours to the light ---- */
@@ -277,6 +320,7 @@ void DAFT_KERNEL(daft_shadow_blocks)(const light_view *l, const daft_samples *sa
     places *from = &scratch->places;
     strays *apart = &scratch->strays;
     place_points(samples, kept, scratch);
+    to->min_end = INFINITY;
     for (uint32_t b = 0; b < from->count; b++)
         from->rows ? fill_block(&c, from, b, true, to) : fill_block(&c, from, b, false, to);
     to->count = from->count;

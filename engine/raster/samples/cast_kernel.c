@@ -56,6 +56,7 @@ bool DAFT_KERNEL(daft_cast_measure)(light_view *l, const daft_samples *b, const 
     l->max_z = l->pencil.parallel ? 1 : fmaxf(fabsf(l->near + l->pencil.away), fabsf(l->far + l->pencil.away));
     l->slack_u = widen(l->low_u, l->high_u), l->slack_v = widen(l->low_v, l->high_v);
     l->size = l->max_x + l->max_y + fmaxf(fabsf(l->near), fabsf(l->far));
+    l->end = l->pencil.parallel ? -INFINITY : -l->pencil.away;
     if (l->pencil.parallel) return true;
     float near = l->near + l->pencil.away, off = l->size / near * 0x1p-21f; /* coordinates are off by a few 2^-24 of the
                                                                                largest */

@@ -100,9 +100,11 @@ static bool point_hidden(const mesh_occluder *m, const lanes *t, const leaf *con
     vf inverse = vf_set(1) / (e0 + e1 + e2);
     vf depth = (e0 * vf_load(t->depth[0]) + e1 * vf_load(t->depth[1]) + e2 * vf_load(t->depth[2])) * inverse;
     vf error = vf_abs(vf_load(t->slack) * inverse) + rounding;
-    vf behind = c->view->pencil.parallel ? vf_set(-INFINITY) : rounding - vf_set(c->view->pencil.away * (1 - 0x1p-20f));
+    vf behind = rounding + vf_set(c->view->pencil.away * 0x1p-20f + p->end[at]);
     if (vbits_from_mask(vm_and(sure, vm_and(vf_lt(depth + error, limit), vf_lt(behind, depth)))) & side) return true;
     if (on && (c->convex || (c->flat && p->own[at] != DAFT_NO_TRIANGLE))) return false;
+    const vm past = vf_lt(depth + error, vf_set(p->end[at] - c->view->pencil.away * 0x1p-20f));
+    side &= ~vbits_from_mask(past);
     for (vbits doubt = side & vbits_from_mask(vf_lt(depth - error, limit)); doubt; doubt &= doubt - 1) {
         int i = __builtin_ctz(doubt);
         if (DAFT_KERNEL(daft_stands_between)(c, leaves[i / DAFT_BLOCK]->block, i % DAFT_BLOCK, p->source[at]))

@@ -22,7 +22,7 @@ static meeting meeting_of(const mesh_occluder *m, const lanes *t, int i, const t
     const vf depth =
         (e->e0 * vf_set(t->depth[0][i]) + e->e1 * vf_set(t->depth[1][i]) + e->e2 * vf_set(t->depth[2][i])) * inverse;
     const vf error = vf_abs(vf_set(4 * t->slack[i]) * inverse) + vf_set(4 * t->rounding[i] + l->reach * 0x1p-20f);
-    const vf behind = l->pencil.parallel ? vf_set(-INFINITY) : error - vf_set(l->pencil.away * (1 - 0x1p-20f));
+    const vf behind = error + vf_set(l->pencil.away * 0x1p-20f) + vf_load(&m->c.points->end[first]);
     const vm inside = vm_or(vf_le(apart, e->min), vf_le(e->max, -apart)),
              before = vm_and(vf_lt(depth + error, limit), vf_lt(behind, depth));
     /* what is not a number is in doubt */

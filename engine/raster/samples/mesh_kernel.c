@@ -114,12 +114,11 @@ static bool hide_points(const mesh_occluder *m, const lanes *t, int i, const daf
     vf depth =
         (e->e0 * vf_set(t->depth[0][i]) + e->e1 * vf_set(t->depth[1][i]) + e->e2 * vf_set(t->depth[2][i])) * inverse;
     vf error = vf_abs(vf_set(t->slack[i]) * inverse) + rounding;
-    vf behind = c->view->pencil.parallel ? vf_set(-INFINITY)
-                                         : rounding - vf_set(c->view->pencil.away * (1 - 0x1p-20f)); /* not beyond the
-                                                                                                        light */
+    vf behind = rounding + vf_set(c->view->pencil.away * 0x1p-20f) + vf_load(&p->end[first]);
     vm dark = vm_and(vm_and(side, sure), vm_and(vf_lt(depth + error, limit), vf_lt(behind, depth)));
     vf_store(&p->depth[first], vf_if_then_else(dark, vf_set(-INFINITY), limit));
-    vbits doubt = vbits_from_mask(side) & vbits_from_mask(vf_lt(depth - error, limit)) & ~vbits_from_mask(dark);
+    vm past = vf_lt(depth + error, vf_load(&p->end[first]) - vf_set(c->view->pencil.away * 0x1p-20f));
+    vbits doubt = vbits_from_mask(vm_and(side, vf_lt(depth - error, limit))) & ~vbits_from_mask(vm_or(dark, past));
     if (doubt && apart) doubt &= ~lie_on(c, triangle, first);
     if (doubt) look_closely(c, block, i % DAFT_BLOCK, first, doubt);
     return (vbits_from_mask(dark) | doubt) != 0;

@@ -35,7 +35,8 @@ DAFT_INLINE vbits picture_boxes(const light_view *l, const node_map *map, const 
         return beyond | sun_axis(x, l->low_u, l->high_u, l->slack_u, u) |
                sun_axis(y, l->low_v, l->high_v, l->slack_v, v);
     const node_depths z = node_depths_of(depth.low + vf_set(away - rounding), depth.high + vf_set(away + rounding));
-    return beyond | vbits_from_mask(vf_lt(z.far, vf_set(0))) | picture_axis(x, &z, l->low_u, l->high_u, l->slack_u, u) |
+    return beyond | vbits_from_mask(vf_lt(z.far, vf_set(fmaxf(l->end + away * (1 - 0x1p-20f), 0)))) |
+           picture_axis(x, &z, l->low_u, l->high_u, l->slack_u, u) |
            picture_axis(y, &z, l->low_v, l->high_v, l->slack_v, v);
 }
 

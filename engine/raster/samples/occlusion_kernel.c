@@ -261,6 +261,7 @@ static uint32_t cast_pencil(light_scratch *scratch, uint32_t *bits)
     DAFT_KERNEL(daft_shadow_blocks)
     (&c->view, c->samples, c->own, few ? c->under : c->asked, few ? STRAY_OF_FEW : STRAY_OF_MANY, &scratch->blocks,
      points);
+    c->view.end = points->min_end;
     if (few) {
         cast_remembered(c, points);
     } else {
@@ -318,6 +319,7 @@ static bool cast_begin(cast *c, const daft_samples *points, const daft_apex *lig
 {
     c->samples = points, c->light = light, c->tlas = tlas, c->asked = bits, c->inverses_known = false;
     c->filtered = NULL;
+    c->view.light = light;
     uint32_t any = 0;
     for (uint32_t word = 0; word < DAFT_SAMPLES_WORDS; word++) any |= bits[word];
     if (tlas->nodes.count == 0 || !any) return false;
@@ -368,8 +370,8 @@ static uint32_t filters(const daft_samples *points, const daft_apex *light, cons
     daft_filtered *f = &scratch->filtered;
     *out = f;
     c->flag = DAFT_INSTANCE_FILTERS_SHADOW, c->only = DAFT_NOTHING;
-    if (!cast_begin(c, points, light, tlas, bits)) return 0;
     memset(f->under, 0, sizeof f->under), memset(f->open, 0, sizeof f->open), memset(f->count, 0, sizeof f->count);
+    if (!cast_begin(c, points, light, tlas, bits)) return 0;
     c->filtered = f;
     const uint32_t count = cast_setup(c) ? cast_pencil(scratch, bits) : cast_faces(scratch, bits);
     c->filtered = NULL;

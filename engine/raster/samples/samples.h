@@ -42,6 +42,8 @@ typedef struct light_view {
     float max_x, max_y, max_z;          /* magnitudes of the rays' components */
     float size;                         /* largest |x|, |y| and |d|, added up */
     float reach;                        /* no less than |x| + |y| + |z| of any point, in frame space */
+    const daft_apex *light;
+    float end; /* no point's ray goes on beyond this depth */
 } light_view;
 
 /* A box in a light's picture, from a depth on. */
@@ -52,6 +54,7 @@ typedef struct picture_box {
 /* Points in blocks of neighbours, which a triangle is tested against together; each block's box in the picture, and
  * each group's. */
 typedef struct shadow_points {
+    float min_end;        /* of `end` below */
     uint32_t count, live; /* blocks, and those with a lit point; the boxes of the others are empty */
     uint32_t used[SHADOW_BLOCKS], under[SHADOW_BLOCKS]; /* bits: of points; of those that lie behind some instance's box
                                                          */
@@ -62,6 +65,7 @@ typedef struct shadow_points {
     _Alignas(64) float u[SHADOW_LANES], v[SHADOW_LANES];
     _Alignas(64) float x[SHADOW_LANES], y[SHADOW_LANES], z[SHADOW_LANES];
     _Alignas(64) float depth[SHADOW_LANES]; /* -inf: in shadow, or no point */
+    _Alignas(64) float end[SHADOW_LANES];   /* the depth at which the ray ends before the light */
     _Alignas(64) uint32_t source[SHADOW_LANES], instance[SHADOW_LANES];
     _Alignas(64) uint32_t own[SHADOW_LANES]; /* the triangle that the point lies on and that cannot shadow it, or
                                               * DAFT_NO_TRIANGLE */
@@ -339,17 +343,37 @@ DAFT_INLINE vbits lie_on(const occluder *c, uint32_t triangle, uint32_t first)
  */
 typedef struct shadow_ray {
     daft_dvec3 from, direction;
-    bool endless;
+    double end; /* in lengths of the direction */
 } shadow_ray;
+
+/* Where a ray comes into a box, in lengths of its direction; 1: nowhere before. */
+DAFT_INLINE double box_enter(const daft_slanted_box *box, daft_dvec3 from, daft_dvec3 direction)
+{
+    double first = 0, last = 1;
+    from = daft_dsub(from, daft_to_double(box->middle));
+    for (int k = 0; k < 3; k++) {
+        const daft_dvec3 axis = daft_to_double(box->axes[k]);
+        const double at = daft_ddot(axis, from), by = daft_ddot(axis, direction);
+        if (fabs(at) > 1 && at * by >= 0) return 1;
+        if (by == 0) continue;
+        const double a = (-1 - at) / by, b = (1 - at) / by;
+        first = fmax(first, fmin(a, b)), last = fmin(last, fmax(a, b));
+    }
+    return first <= last ? first : 1;
+}
 
 DAFT_INLINE shadow_ray shadow_ray_of(const daft_samples *p, const daft_apex *light, uint32_t i)
 {
     daft_dvec3 from = daft_to_double(daft_v3(p->origin.x[i], p->origin.y[i], p->origin.z[i])),
                to = daft_to_double(light->at);
-    return (shadow_ray){from, light->infinite ? to : daft_dsub(to, from), light->infinite};
+    if (light->infinite) return (shadow_ray){from, to, INFINITY};
+    to = daft_dsub(to, from);
+    const double around = light->around > 0 ? (double)light->around / sqrt(daft_ddot(to, to)) : 0;
+    const double end = 1 - fmax(around, (double)light->before);
+    return (shadow_ray){from, to, light->box ? fmin(end, box_enter(light->box, from, to)) : end};
 }
 
-DAFT_INLINE bool on_shadow_ray(const shadow_ray *w, double t) { return t > 0 && (w->endless || t < 1); }
+DAFT_INLINE bool on_shadow_ray(const shadow_ray *w, double t) { return t > 0 && t < w->end; }
 
 /* Takes the block out of what is looked at when its last point has gone dark. */
 DAFT_INLINE void block_darkened(shadow_points *p, uint32_t b)

@@ -167,10 +167,11 @@ static inline vbits lanes_met(const mesh_occluder *c, const view_corners *t, con
     vm in = vm_and(vm_and(vf_le(vf_set(l->low_u), hu), vf_le(lu, vf_set(l->high_u))),
                    vm_and(vf_le(vf_set(l->low_v), hv), vf_le(lv, vf_set(l->high_v))));
     in = vm_and(in, vf_le(vf_load(at->near), vf_set(l->far)));
-    if (l->pencil.parallel || c->before) return vbits_from_mask(in);
-    const vf near = nearest_depth(t), far = farthest_depth(t);
+    if (l->pencil.parallel) return vbits_from_mask(in);
+    const vf near = nearest_depth(t), far = farthest_depth(t), end = vf_set(l->end - l->pencil.away * 0x1p-20f);
+    if (c->before) return vbits_from_mask(vm_and(in, vf_lt(end, far + vf_set(c->off_depth))));
     box_error error = near_apex_error(c, t, near, vf_set(0));
-    in = vm_and(in, vf_lt(vf_set(-l->pencil.away), far + error.depth));
+    in = vm_and(in, vf_lt(end, far + error.depth));
     vm whole = vm_and(in, error.whole);
     if (!vbits_from_mask(whole)) return vbits_from_mask(in);
     return vbits_from_mask(

@@ -73,7 +73,7 @@ static void sphere_block(const occluder *c, const sphere *s, uint32_t b)
 {
     shadow_points *p = c->points;
     bool sun = c->view->pencil.parallel;
-    vf zero = vf_set(0), none = vf_set(-INFINITY), light = vf_set(-c->view->pencil.away);
+    vf zero = vf_set(0), none = vf_set(-INFINITY);
     for (uint32_t k = b * SHADOW_BLOCK; k < (b + 1) * SHADOW_BLOCK; k += DAFT_VL) {
         vf limit = vf_load(&p->depth[k]), depth = vf_max(limit, vf_set(-0x1p100f)), disc, middle, scale = vf_set(1);
         vf3 m = {s->cx - vf_load(&p->x[k]), s->cy - vf_load(&p->y[k]), s->cz - depth}; /* from the point to the centre
@@ -86,6 +86,7 @@ static void sphere_block(const occluder *c, const sphere *s, uint32_t b)
             vf3 aside = {m.x - d.x * along, m.y - d.y * along, m.z - d.z * along};
             disc = s->square - vf3_dot(aside, aside), middle = depth + along * d.z, scale = d.z / vf_sqrt(dd);
         }
+        const vf light = vf_load(&p->end[k]);
         vm met = vm_and(vf_lt(-s->blur, disc), vf_lt(none, limit));
         if (c->convex) met = vm_and(met, vm_not(vi_eq(vi_load(&p->instance[k]), vi_set((int32_t)c->number))));
         if (!vbits_from_mask(met)) continue;

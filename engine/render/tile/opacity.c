@@ -131,10 +131,8 @@ daft_vec3 daft_tile_filtered(tile_job *j, const daft_batch *points, uint32_t i, 
 /* By point i's own ray. */
 static daft_vec3 left_by_ray(tile_job *j, const daft_batch *points, uint32_t i, const daft_light_source *light)
 {
-    const daft_vec3 from = lane(&points->shadow_origin, i);
-    const daft_ray ray = {.origin = from,
-                          .direction = light->sun ? light->to_light : daft_sub(light->position, from),
-                          .tmax = light->sun ? INFINITY : 1};
+    daft_ray ray;
+    if (!daft_tile_sharp_ray(points, i, light, &ray)) return daft_v3(0, 0, 0);
     return left_of(j, points, i, &ray, true);
 }
 
@@ -168,15 +166,19 @@ const daft_lanes3 *daft_tile_filters(tile_job *j, const daft_batch *points, cons
     const daft_apex apex = daft_apex_of(light);
     void *memory = j->r->sample_scratch + j->worker * j->r->sample_kernels->scratch_size;
     const daft_filtered *f;
+    uint32_t aside[DAFT_BATCH_WORDS] = {0};
     bool some = passed != NULL;
-    const uint32_t rays = j->r->sample_kernels->filters(&samples, &apex, j->frame->tlas, s->lit, &f, memory);
+    const bool parts = light->area && j->r->kernels->skip_middle(points, light, s->lit, aside);
+    uint32_t rays = j->r->sample_kernels->filters(&samples, &apex, j->frame->tlas, s->lit, &f, memory);
+    for (uint32_t k = 0; parts && k < DAFT_BATCH_WORDS; k++)
+        s->lit[k] |= aside[k], rays += (uint32_t)__builtin_popcount(aside[k]);
     if (!rays) return passed;
     if (!passed)
         for (uint32_t i = 0; i < points->count + 16; i++) s->passed->x[i] = s->passed->y[i] = s->passed->z[i] = 1;
     daft_cost_add_some(j, points->pixel, f->under, points->count);
     for (uint32_t i = 0; i < points->count; i++) {
         const uint32_t bit = 1u << (i % 32);
-        const bool open = f->open[i / 32] & bit;
+        const bool open = (f->open[i / 32] | aside[i / 32]) & bit;
         if (!(s->lit[i / 32] & bit) || !(open || f->count[i])) continue;
         const daft_vec3 left = open ? left_by_ray(j, points, i, light) : left_by_surfaces(j, f, i);
         if (!keep_light(s->passed, i, left, &some)) s->lit[i / 32] &= ~bit;

@@ -1,6 +1,6 @@
 /* Light visibility of a batch: the points become samples of the light's pencil (raster/view.h), a spot's as a point
- * light's, since facing() has tested its cone. Occluders take a point's light away; what transmits takes a fraction of
- * it.
+ * light's, since facing() has tested its cone; an area's as its middle's, but for those that see a part of it alone.
+ * Occluders take a point's light away; what transmits takes a fraction of it.
  */
 #include "render/tile/tile.h"
 
@@ -19,11 +19,28 @@ static uint32_t cast(tile_job *j, const daft_batch *points, const daft_light_sou
     return j->r->sample_kernels->shadows(&samples, &apex, j->frame->tlas, instance, bits, samples_scratch(j));
 }
 
+/* Lights the points of the bits whose own ray to what they see of an area meets nothing; gives their number. */
+static uint32_t ask_aside(tile_job *j, const daft_batch *points, const daft_light_source *light, const uint32_t *bits)
+{
+    uint32_t rays = 0;
+    for (uint32_t k = 0; k < DAFT_BATCH_WORDS; k++)
+        for (uint32_t left = bits[k]; left; left &= left - 1, rays++) {
+            daft_ray ray;
+            if (daft_tile_sharp_ray(points, 32 * k + (uint32_t)__builtin_ctz(left), light, &ray) &&
+                !j->r->accel->occluded(j->frame->tlas, &ray))
+                j->s->lit[k] |= left & (0 - left);
+        }
+    return rays;
+}
+
 void daft_tile_shadows(tile_job *j, const daft_batch *points, const daft_light_source *light)
 {
     daft_scratch *s = j->s;
+    uint32_t aside[DAFT_BATCH_WORDS];
     daft_cost_add_some(j, points->pixel, s->lit, points->count);
+    const bool some = light->area && j->r->kernels->skip_middle(points, light, s->lit, aside);
     uint32_t rays = cast(j, points, light, DAFT_NOTHING, s->lit);
+    if (some) rays += ask_aside(j, points, light, aside);
     s->rays_cast[DAFT_EFFECT_SHADOW] += rays;
     s->shadow_points += rays;
     if (rays) ran(j, DAFT_EFFECT_SHADOW);

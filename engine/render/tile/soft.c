@@ -76,21 +76,19 @@ static float rectangle_ray(const daft_light_source *light, daft_vec3 n, float u,
     const daft_vec3 place = daft_add(daft_scale(light->edges[0], u - 0.5f), daft_scale(light->edges[1], v - 0.5f));
     const daft_vec3 to = daft_add(daft_sub(light->position, ray->origin), place);
     const float length2 = daft_dot(to, to), there = daft_dot(to, light->to_light), here = daft_dot(to, n);
-    ray->direction = to, ray->tmax = 0.999f;
+    ray->direction = to, ray->tmax = 1 - DAFT_BEFORE_RECTANGLE;
     return there > 0 && here > 0 ? there * here / (length2 * length2) : 0;
 }
 
 /* A direction to a sphere that glows, within its cone: `part` of the solid angle around the middle, turned to `unit`,
- * or with NULL up. The ray ends before the sphere, which is a little larger here, by more than roundings of its place.
- */
+ * or with NULL up. The ray ends before the sphere. */
 static float sphere_ray(const daft_light_source *light, daft_vec3 n, float part, const daft_vec2 *unit, daft_ray *ray)
 {
     const daft_vec3 p = light->position, to = daft_sub(p, ray->origin);
     const float length2 = daft_dot(to, to), r = light->radius, length = sqrtf(length2), sine2 = r * r / length2;
     if (!(sine2 < 1)) return 0;
     const float aside = part * (sine2 / (1 + sqrtf(1 - sine2))), sine = sqrtf(aside * (2 - aside));
-    const float larger = 1.001f * r + 0x1p-20f * (fabsf(p.x) + fabsf(p.y) + fabsf(p.z)),
-                off = larger * larger - length2 * sine * sine;
+    const float larger = daft_sphere_end(light), off = larger * larger - length2 * sine * sine;
     daft_vec3 a, b;
     const daft_vec3 middle = daft_scale(to, 1 / length);
     daft_axes_across(middle, &a, &b);
@@ -104,10 +102,10 @@ static float sphere_ray(const daft_light_source *light, daft_vec3 n, float part,
 /* Ends the ray before the bounds of what glows, where it comes to them. */
 static void end_before_bounds(const daft_light_source *light, daft_ray *ray)
 {
-    const daft_vec3 from = daft_sub(ray->origin, light->bounds_middle);
+    const daft_vec3 from = daft_sub(ray->origin, light->bounds.middle);
     float first = 0, last = ray->tmax;
     for (int k = 0; k < 3; k++) {
-        const float at = daft_dot(light->bounds_axes[k], from), by = daft_dot(light->bounds_axes[k], ray->direction);
+        const float at = daft_dot(light->bounds.axes[k], from), by = daft_dot(light->bounds.axes[k], ray->direction);
         if (fabsf(at) > 1 && at * by >= 0) return;
         if (by == 0) continue;
         const float a = (-1 - at) / by, b = (1 - at) / by;
@@ -116,22 +114,21 @@ static void end_before_bounds(const daft_light_source *light, daft_ray *ray)
     if (first <= last) ray->tmax = first;
 }
 
-/* Place `k` of `count`; of 0: the middle. */
+/* Place `k` of `count`. */
 static float place_ray(const tile_job *j, const daft_light_source *light, daft_vec3 n, daft_dice d, uint32_t k,
                        uint32_t count, daft_ray *ray)
 {
-    const float part = count ? daft_dice_part(d, k, count) : 0;
+    const float part = daft_dice_part(d, k, count);
     if (light->area == DAFT_AREA_SPHERE) return sphere_ray(light, n, part, &j->r->turns[daft_dice_turn(d, k)], ray);
     const float along = (float)((d.turn + k * DAFT_GOLDEN) >> 8) * 0x1p-24f;
-    return rectangle_ray(light, n, count ? along : 0.5f, count ? part : 0.5f, ray);
+    return rectangle_ray(light, n, along, part, ray);
 }
 
 /* A place of what little of the light is above the horizon, where no other was found: ever nearer to the highest
  * corner of a rectangle, or at the top of a sphere. */
-static float sliver_ray(const daft_light_source *light, daft_vec3 n, daft_dice d, daft_ray *ray)
+static float sliver_ray(const daft_light_source *light, daft_vec3 n, float along, float across, daft_ray *ray)
 {
-    const float u = daft_dot(light->edges[0], n) > 0 ? 1 : 0, v = daft_dot(light->edges[1], n) > 0 ? 1 : 0,
-                along = (float)(d.turn >> 8) * 0x1p-24f, across = (float)(d.radius >> 8) * 0x1p-24f;
+    const float u = daft_dot(light->edges[0], n) > 0 ? 1 : 0, v = daft_dot(light->edges[1], n) > 0 ? 1 : 0;
     if (light->area == DAFT_AREA_SPHERE) return 0.01f * sphere_ray(light, n, 0.99f, NULL, ray);
     for (float part = 0.5f; part > 0x1p-8f; part *= 0.5f) {
         const float found = rectangle_ray(light, n, u + (along - u) * part, v + (across - v) * part, ray);
@@ -154,21 +151,36 @@ static float area_ray(const tile_job *j, const daft_batch *points, uint32_t i, c
 {
     const daft_vec3 n = lane(&points->normal, i);
     const daft_dice d = throw_dice(j, points, i, salt);
-    const uint32_t places = j->snapshot->quality.shadow_samples ? DAFT_PLACES : 1,
-                   count = places > 1 ? DAFT_PLACES * rays : 0;
     float sum = 0, upto[DAFT_PLACES];
     daft_ray all[DAFT_PLACES];
-    for (uint32_t p = 0; p < places; p++) {
+    for (uint32_t p = 0; p < DAFT_PLACES; p++) {
         all[p] = (daft_ray){.origin = lane(&points->shadow_origin, i)};
-        upto[p] = sum += place_ray(j, light, n, d, k * DAFT_PLACES + p, count, &all[p]);
+        upto[p] = sum += place_ray(j, light, n, d, k * DAFT_PLACES + p, DAFT_PLACES * rays, &all[p]);
     }
     const float at = (float)(scramble(d.turn + 2891336453u * d.radius + k * DAFT_R2_X) >> 8) * 0x1p-24f * sum;
     uint32_t p = 0;
-    while (p + 1 < places && !(at < upto[p])) p++;
+    while (p + 1 < DAFT_PLACES && !(at < upto[p])) p++;
     *ray = all[p];
-    if (!(sum > 0)) sum = sliver_ray(light, n, d, ray);
+    const float along = (float)(d.turn >> 8) * 0x1p-24f, across = (float)(d.radius >> 8) * 0x1p-24f;
+    if (!(sum > 0)) sum = sliver_ray(light, n, along, across, ray);
     if (light->bounded) end_before_bounds(light, ray);
     return sum;
+}
+
+bool daft_tile_sharp_ray(const daft_batch *points, uint32_t i, const daft_light_source *light, daft_ray *ray)
+{
+    const daft_vec3 from = lane(&points->shadow_origin, i), n = lane(&points->normal, i);
+    const daft_vec2 any = {1, 0};
+    float some;
+    *ray = (daft_ray){.origin = from,
+                      .direction = light->sun ? light->to_light : daft_sub(light->position, from),
+                      .tmax = light->sun ? INFINITY : 1};
+    if (!light->area) return true;
+    some =
+        light->area == DAFT_AREA_SPHERE ? sphere_ray(light, n, 0, &any, ray) : rectangle_ray(light, n, 0.5f, 0.5f, ray);
+    if (!(some > 0)) some = sliver_ray(light, n, 0.5f, 0.5f, ray);
+    if (light->bounded) end_before_bounds(light, ray);
+    return some > 0;
 }
 
 /* More of them where the surface faces (Malley's method: points of the disc, raised to the hemisphere); those that
@@ -247,7 +259,7 @@ static void make_rays(const tile_job *j, const daft_batch *points, const target 
                                 .round = round_of(j),
                                 .salt = to->number,
                                 .place = j->refines ? j->s->wanted : NULL};
-    const bool lanes = to->light && to->light->area == DAFT_AREA_RECTANGLE && j->snapshot->quality.shadow_samples > 0;
+    const bool lanes = to->light && to->light->area == DAFT_AREA_RECTANGLE;
     if (lanes)
         j->r->kernels->rectangle_rays(&def, &q->point[first], &q->number[first], &q->rays[first], count, &q->ray[first],
                                       &q->weight[first]);
@@ -404,9 +416,8 @@ void daft_tile_ask_lights(tile_job *j, const daft_batch *points)
 {
     daft_sampled_light *s = j->s->sampled;
     daft_candidates *c = &s->candidates;
-    const int samples = j->snapshot->quality.shadow_samples, rays = daft_max_i(samples, 1);
-    const daft_drawing how = {
-        .rays = rays, .all = samples ? LIGHTS_ASKED : DAFT_CANDIDATES, .draws = LIGHTS_DRAWN * rays};
+    const int rays = daft_max_i(j->snapshot->quality.shadow_samples, 1);
+    const daft_drawing how = {.rays = rays, .all = LIGHTS_ASKED, .draws = LIGHTS_DRAWN * rays};
     daft_asking asking;
     ray_queue q;
     q.count = q.made = 0;

@@ -38,11 +38,9 @@ void daft_tile_surfaces(tile_job *j, const daft_pencil *pencil, const daft_seen_
     if (s->points.count) ran(j, DAFT_EFFECT_SURFACE);
 }
 
-/* An area is asked by rays even where these are to be sharp: a pencil would meet the sphere that glows. */
 static bool is_soft(const tile_job *j, const daft_light_source *light)
 {
-    return j->frame->plan.soft && light->casts_shadow &&
-           (light->area || (light->radius > 0 && j->snapshot->quality.shadow_samples > 0));
+    return j->frame->plan.soft && light->casts_shadow && (light->area || light->radius > 0);
 }
 
 /* Where a batch's points are: a box, and the ball around it. */

@@ -59,6 +59,9 @@ void daft_tile_occlusion(tile_job *j, daft_batch *points);
 void daft_tile_soft_light(tile_job *j, daft_batch *points, uint32_t number, const daft_lanes3 *passed);
 void daft_tile_ask_lights(tile_job *j, const daft_batch *points);
 void daft_tile_add_sampled(const daft_sampled_light *sampled, daft_batch *points);
+/* And where shadows are sharp: the ray from a point to the light, of an area to its middle or, where that is not before
+ * the point, to what little is. False: there is none. */
+bool daft_tile_sharp_ray(const daft_batch *points, uint32_t i, const daft_light_source *light, daft_ray *ray);
 /* denoise.c: of a tile nothing is sampled yet; what its pixels see; the sampled light of a batch, which pixels see
  * themselves or on a way of some weight; and the light of the rest. False: there is nothing to wait for. */
 void daft_denoise_begin(const tile_job *j);

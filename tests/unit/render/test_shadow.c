@@ -3,7 +3,7 @@
  * and every instruction set says exactly the same. */
 #include "fixtures.h"
 
-#include "render/internal.h"
+#include "render/tile/tile.h"
 
 enum { MANY = 300 };
 
@@ -63,6 +63,7 @@ static bool lit_by_ray(const stage *s, const daft_batch *b, const daft_light_sou
                     .direction = source->to_light,
                     .tmax = INFINITY};
     if (!source->sun) ray.direction = daft_sub(source->position, ray.origin), ray.tmax = 1;
+    if (source->area) assert_true(daft_tile_sharp_ray(b, i, source, &ray));
     return !daft_accel_kernels_for(0)->occluded(s->tlas, &ray);
 }
 
@@ -95,11 +96,27 @@ typedef struct tally {
     int lit, dark, edge, pencils;
 } tally;
 
+/* Points that see the middle of an area are asked for. */
+static void skip_middle(const daft_batch *b, const daft_light_source *source, uint32_t *asked)
+{
+    static const daft_render_kernels *const kernels[DAFT_ISA_COUNT] = DAFT_KERNEL_TABLE(daft_render);
+    uint32_t aside[DAFT_BATCH_WORDS], left[DAFT_BATCH_WORDS], all[DAFT_BATCH_WORDS];
+    memcpy(all, asked, sizeof all);
+    for (int isa = 0; isa <= daft_isa_best(); isa++) {
+        memcpy(left, all, sizeof left);
+        kernels[isa]->skip_middle(b, source, left, aside);
+        if (isa) assert_memory_equal(left, asked, sizeof left);
+        memcpy(asked, left, sizeof left);
+        for (uint32_t k = 0; k < DAFT_BATCH_WORDS; k++) assert_true((left[k] ^ aside[k]) == all[k]);
+    }
+}
+
 static void compare(const stage *s, const daft_batch *b, const daft_light_source *source, tally *sum)
 {
     uint32_t asked[DAFT_BATCH_WORDS] = {0}, bits[DAFT_ISA_COUNT][DAFT_BATCH_WORDS], kept = 0;
     for (uint32_t i = 0; i < b->count; i++)
         if (i % 7) asked[i / 32] |= (uint32_t)1 << (i % 32);
+    if (source->area) skip_middle(b, source, asked);
     for (int isa = 0; isa <= daft_isa_best(); isa++) {
         memcpy(bits[isa], asked, sizeof asked);
         uint32_t under = cast(isa, b, source, s->tlas, DAFT_NOTHING, bits[isa]);
@@ -143,6 +160,53 @@ static void run_with(uint32_t count, float size, bool sun, float light_distance,
 }
 
 static void run(bool sun, float light_distance, float patch) { run_with(8, 1, sun, light_distance, patch); }
+
+/* Rays to areas end before them: at a sphere, just before a rectangle, at the bounds of what glows, in which other
+ * things may lie. */
+static void run_areas(daft_area area, bool bounded, uint32_t count, float size, float light_distance, float patch)
+{
+    daft_batch *b = calloc(1, sizeof *b);
+    tally sum = {0};
+    for (int round = 0; round < 25; round++) {
+        stage s;
+        stage_make_of(&s, count, size);
+        for (int i = 0; i < 4; i++) {
+            fill_points(b, random_vec3(-5, 5), patch);
+            daft_light_source source = {
+                .area = area, .casts_shadow = true, .bounded = bounded, .radius = random_float(0.1f, 2)};
+            const daft_affine turn = affine_make(random_rotation(), daft_v3(1, 1, 1), daft_v3(0, 0, 0));
+            source.to_light = daft_normalize(random_vec3(-1, 1));
+            source.position = daft_scale(random_vec3(-1, 1), light_distance);
+            source.bounds.middle = daft_add(source.position, random_vec3(-0.1f, 0.1f));
+            for (int k = 0; k < 3; k++)
+                source.bounds.axes[k] =
+                    daft_scale(daft_affine_vector(&turn, daft_v3(k == 0, k == 1, k == 2)), 1 / random_float(0.2f, 2));
+            daft_axes_across(source.to_light, &source.edges[0], &source.edges[1]);
+            for (uint32_t k = 0; k < b->count; k++) {
+                const daft_vec3 n = daft_normalize(random_vec3(-1, 1));
+                b->normal.x[k] = n.x, b->normal.y[k] = n.y, b->normal.z[k] = n.z;
+            }
+            compare(&s, b, &source, &sum);
+        }
+        stage_drop(&s);
+    }
+    print_message("%d pencils: %d lit, %d dark, %d at an edge\n", sum.pencils, sum.lit, sum.dark, sum.edge);
+    assert_true(sum.lit > 1000 && sum.dark > 1000);
+    assert_true(sum.edge * 2000 < sum.lit + sum.dark);
+    free(b);
+}
+
+static void areas_of_any_kind(void **unused)
+{
+    (void)unused;
+    fixture_seed(75);
+    for (int bounded = 0; bounded < 2; bounded++)
+        for (int ball = 0; ball < 2; ball++) {
+            const daft_area area = ball ? DAFT_AREA_SPHERE : DAFT_AREA_RECTANGLE;
+            run_areas(area, bounded, 8, 1, 4, 1), run_areas(area, bounded, 8, 1, 3, 4);
+            run_areas(area, bounded, MANY, 0.3f, 6, 1), run_areas(area, bounded, MANY, 0.3f, 3, 4);
+        }
+}
 
 static void suns(void **unused) { (void)unused, fixture_seed(61), run(true, 0, 1); }
 static void large_patches(void **unused) { (void)unused, fixture_seed(62), run(true, 0, 8); }
@@ -381,6 +445,7 @@ int main(void)
         cmocka_unit_test(lights_over_many),
         cmocka_unit_test(lights_far_from_many),
         cmocka_unit_test(lights_among_many),
+        cmocka_unit_test(areas_of_any_kind),
         cmocka_unit_test(points_on_surfaces),
         cmocka_unit_test(beside_many),
         cmocka_unit_test(one_at_a_time),
