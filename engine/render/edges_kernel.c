@@ -10,10 +10,11 @@ enum {
 };
 _Static_assert(RAYS == 16, "a pixel's rays are sixteen bits");
 
-/* Rays that see the same, for each that is shaded: by what the pixel saw first, and by how much changes. A texture is
- * filtered over the whole pixel already; what is sent on takes longest. */
+/* Rays that see the same, for each that is shaded: by what that is, and by how much changes. A texture is filtered over
+ * the whole pixel already; what is sent on takes longest, but beside outlines changes most: where light is bent, these
+ * pixels have most of the error that is left. */
 static const uint8_t SPOKEN[][3] = {
-    [DAFT_OWN_MATTE] = {4, 2, 1}, [DAFT_OWN_TEXTURED] = {RAYS, RAYS, RAYS}, [DAFT_OWN_SENDS] = {8, 8, 4}};
+    [DAFT_OWN_MATTE] = {4, 2, 1}, [DAFT_OWN_TEXTURED] = {RAYS, RAYS, RAYS}, [DAFT_OWN_SENDS] = {4, 2, 2}};
 
 /* The places of a pixel's rays, x + 4·y, such that one after the other lie apart: Bayer's order of dither. */
 static const uint8_t ORDER[RAYS] = {0, 10, 2, 8, 5, 15, 7, 13, 1, 11, 3, 9, 4, 14, 6, 12};
@@ -63,7 +64,7 @@ typedef struct taking {
     daft_edge_rays *out;
     uint32_t place, wanted; /* of the pixel's first ray in the part; of the pixel in the tile */
     int level;
-    uint32_t kind;
+    uint32_t kind; /* of the pixel's first sample */
 } taking;
 
 /* The ray at a place in the pixel. Two pixels of such a pencil are one of that which shades. */
@@ -79,10 +80,10 @@ DAFT_INLINE void shade(taking *t, uint32_t ray, float rays)
     list->pixel[i] = pixel, t->out->wanted[pixel] = t->wanted, t->out->share[i] = rays;
 }
 
-/* Some of the group, spread over it. */
-DAFT_INLINE void take_group(taking *t, const group *g, bool has_own)
+/* Some of the group, which is of a kind, spread over it. */
+DAFT_INLINE void take_group(taking *t, const group *g, uint32_t kind, bool has_own)
 {
-    const uint32_t spoken = SPOKEN[t->kind][t->level];
+    const uint32_t spoken = SPOKEN[kind][t->level];
     const uint32_t count = (uint32_t)__builtin_popcount(g->rays), some = (count + spoken - 1) / spoken,
                    fresh = some - has_own;
     const float share = (float)count / (float)some;
@@ -93,6 +94,18 @@ DAFT_INLINE void take_group(taking *t, const group *g, bool has_own)
         for (; passed < next; passed++) left &= left - 1;
         shade(t, ORDER[__builtin_ctz(left)], share);
     }
+}
+
+/* The kind of what a group sees, if a pixel beside sees it, too; else the pixel's own. `id`: without `bits` lower bits.
+ */
+static uint32_t kind_around(const taking *t, uint32_t id, int bits)
+{
+    const daft_neighbours *n = t->part->first;
+    const int px = (int)(t->wanted % DAFT_TILE), py = (int)(t->wanted / DAFT_TILE);
+    for (int y = py - 1; y <= py + 1; y++)
+        for (int x = px - 1; x <= px + 1; x++)
+            if (n->id[y * n->id_stride + x] >> bits == id) return daft_first_kind(n, x, y);
+    return t->kind;
 }
 
 static void take_outline(taking *t, const seen_row *seen, int x, uint32_t own)
@@ -108,20 +121,18 @@ static void take_outline(taking *t, const seen_row *seen, int x, uint32_t own)
         count = group_rays(id, groups);
     }
     t->out->own[t->wanted] = 0;
-    for (uint32_t k = 0; k < count; k++) take_group(t, &groups[k], groups[k].id == own >> bits);
+    for (uint32_t k = 0; k < count; k++) {
+        const bool has_own = groups[k].id == own >> bits;
+        take_group(t, &groups[k], has_own ? t->kind : kind_around(t, groups[k].id, bits), has_own);
+    }
 }
 
 static void take_inner(taking *t)
 {
-    t->out->own[t->wanted] = 1;
-    for (uint32_t left = DAFT_EDGE_INNER[t->level]; left; left &= left - 1) shade(t, (uint32_t)__builtin_ctz(left), 1);
-}
-
-/* What a pixel's first sample saw: a DAFT_OWN_... */
-static uint32_t kind_of(const daft_edge_part *p, int x, int y)
-{
-    const ptrdiff_t at = y * p->id_stride + x;
-    return p->own && p->id[at] != DAFT_ID_SKY ? p->own[at] >> 24 : DAFT_OWN_MATTE;
+    const uint32_t rays = DAFT_EDGE_INNER[t->kind][t->level];
+    const float share = (float)RAYS / (float)(__builtin_popcount(rays) + 1);
+    t->out->own[t->wanted] = share;
+    for (uint32_t left = rays; left; left &= left - 1) shade(t, (uint32_t)__builtin_ctz(left), share);
 }
 
 uint32_t DAFT_KERNEL(daft_take_edges)(const daft_edge_part *part, int y, uint32_t pixels, daft_edge_rays *out)
@@ -137,9 +148,9 @@ uint32_t DAFT_KERNEL(daft_take_edges)(const daft_edge_part *part, int y, uint32_
                     (uint32_t)(SCALE * (y * DAFT_TILE_STRIDE + x)),
                     (uint32_t)(py * DAFT_TILE + px),
                     daft_edge_level(edges, px, py),
-                    kind_of(part, px, py)};
+                    daft_first_kind(part->first, px, py)};
         if (edges->outline[py] >> px & 1)
-            take_outline(&t, &seen, x, part->id[py * part->id_stride + px]);
+            take_outline(&t, &seen, x, part->first->id[py * part->first->id_stride + px]);
         else
             take_inner(&t);
     }

@@ -8,8 +8,7 @@
  * Beside an outline, where another triangle begins, all rays are asked what they see, which costs a coverage test. Of
  * those that see the same, some are shaded and speak for the others, by what that is and how much changes; the pixel's
  * first sample is one of them. Colours of the pixels around would cost less, but are wrong where a shadow, a crease or
- * a mirror image ends at the outline. Elsewhere (a shadow's edge, a mirror image) four rays are shaded, or eight, or
- * all.
+ * a mirror image ends at the outline. Elsewhere (a shadow's edge, a mirror image) two rays to all are shaded.
  *
  * Results wait in a picture of their own until no tile looks at its neighbours any more. */
 #include "render/tile/tile.h"
@@ -87,14 +86,14 @@ static void ask(refinement *r)
 {
     for (int y = 0; y < SPAN; y++) {
         const int py = r->rays.top + y;
-        const uint32_t outline = part_of(r, r->edges.outline[py]), inner = part_of(r, r->edges.inner[py]),
-                       strong = part_of(r, r->edges.strong[py]), stark = strong & part_of(r, r->edges.stark[py]);
-        const uint32_t of[] = {spread(inner & ~strong), spread(inner & strong & ~stark), spread(inner & stark)};
-        for (int row = 0; row < SCALE; row++) {
-            uint32_t asked = spread(outline) * 15;
-            for (int level = 0; level < (int)DAFT_COUNT_OF(of); level++)
-                asked |= of[level] * (DAFT_EDGE_INNER[level] >> SCALE * row & 15u);
-            r->part.asked[SCALE * y + row] = asked;
+        const uint32_t outline = spread(part_of(r, r->edges.outline[py])) * 15;
+        uint32_t *asked = &r->part.asked[SCALE * y];
+        for (int row = 0; row < SCALE; row++) asked[row] = outline;
+        for (uint32_t left = part_of(r, r->edges.inner[py]); left; left &= left - 1) {
+            const int x = __builtin_ctz(left), px = r->rays.left + x;
+            const uint32_t kind = daft_first_kind(&r->around, px, py),
+                           rays = DAFT_EDGE_INNER[kind][daft_edge_level(&r->edges, px, py)];
+            for (int row = 0; row < SCALE; row++) asked[row] |= (rays >> SCALE * row & 15) << SCALE * x;
         }
     }
 }
@@ -166,11 +165,8 @@ static void mean_of(const refinement *r, int x, int y, const float own[3], float
 {
     const daft_scratch *s = r->j->s;
     const int at = y * DAFT_TILE + x;
-    const int rays = r->edges.outline[y] >> x & 1
-                         ? DAFT_EDGE_RAYS
-                         : __builtin_popcount(DAFT_EDGE_INNER[daft_edge_level(&r->edges, x, y)]) + 1;
-    const float sum[3] = {s->sum.x[at], s->sum.y[at], s->sum.z[at]}, weight = 1 / (float)rays;
-    for (int k = 0; k < 3; k++) light[k] = (sum[k] + own[k] * s->own[at]) * weight;
+    const float sum[3] = {s->sum.x[at], s->sum.y[at], s->sum.z[at]};
+    for (int k = 0; k < 3; k++) light[k] = (sum[k] + own[k] * s->own[at]) * (1.0f / DAFT_EDGE_RAYS);
 }
 
 static void write_row(const refinement *r, const daft_tile *tile, int y)
@@ -207,8 +203,7 @@ void daft_refine_tile(void *context, uint32_t index, uint32_t worker)
     } else if (find_edges(&j, &r.around, &r.edges)) {
         memset(&j.s->sum, 0, sizeof j.s->sum);
         j.s->fresh.count = 0;
-        r.rays.edges = &r.edges, r.rays.id = r.around.id, r.rays.own = r.around.own,
-        r.rays.id_stride = r.around.id_stride;
+        r.rays.edges = &r.edges, r.rays.first = &r.around;
         for (int i = 0; i < SCALE * SCALE; i++) refine_part(&r, i);
         shade_fresh(&r);
         daft_tile_place(&j.r->raster, j.number, NULL, &j.s->tile);
