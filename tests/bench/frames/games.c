@@ -1,6 +1,7 @@
 /* Rows `game frame, NAME`: each game of games/ that has a demo.rec plays it to the end in the program itself, without a
  * window, every frame drawn; the program's own clock times each frame, HUD included. The peer, llvmpipe with one sample
- * a pixel, plays the same demo, without HUD. And how long the program takes to start. */
+ * a pixel, plays the same demo, without HUD, and without shadows of lamps or, in rows `…, all shadows`, with them. And
+ * how long the program takes to start. */
 #include "frames/users.h"
 
 #include <dirent.h>
@@ -115,9 +116,9 @@ static bool play_demo(bench *self, const char *game, int threads, users_frames *
 }
 
 /* The best of two demos, unless --rounds says how many. */
-static void measure_game(bench *self, const char *scene, const char *game, int threads)
+static void measure_game(bench *self, const char *scene, const char *game, int threads, users_beside peer)
 {
-    users_frames best = {0}, peer = {0};
+    users_frames best = {0};
     fprintf(stderr, "%s, %d thread%s\n", scene, threads, threads == 1 ? "" : "s");
     for (int i = 0; i < (self->rounds ? self->rounds : 2); i++) {
         users_frames f;
@@ -126,11 +127,16 @@ static void measure_game(bench *self, const char *scene, const char *game, int t
             return;
         }
         if (i == 0 || f.p95 < best.p95) best = f;
-        users_peer(self, "game", game, threads, false, &peer);
+        users_peer(self, "game", game, threads, &peer);
     }
     bool two = threads == 2; /* what the budget is for */
     users_report(self, scene, threads, &best, &peer, "the whole demo", two ? 1e3 / 60 : 0, two ? 1e3 / 120 : 0);
 }
+
+static const struct {
+    const char *name;
+    users_beside peer;
+} KINDS[] = {{"", USERS_BESIDE_PLAIN}, {", all shadows", USERS_BESIDE_ALL_SHADOWS}};
 
 void bench_games(bench *self)
 {
@@ -138,10 +144,12 @@ void bench_games(bench *self)
     int found = scandir(DAFT_ROOT "/games", &games, users_has_demo, alphasort), counts[2],
         count = bench_thread_counts(self, counts);
     for (int i = 0; i < found; i++) {
-        char scene[64];
-        snprintf(scene, sizeof scene, "game frame, %.50s", games[i]->d_name);
-        if (users_wants(self, scene))
-            for (int t = 0; t < count; t++) measure_game(self, scene, games[i]->d_name, counts[t]);
+        for (size_t k = 0; k < DAFT_COUNT_OF(KINDS); k++) {
+            char scene[64];
+            snprintf(scene, sizeof scene, "game frame, %.36s%s", games[i]->d_name, KINDS[k].name);
+            if (users_wants(self, scene))
+                for (int t = 0; t < count; t++) measure_game(self, scene, games[i]->d_name, counts[t], KINDS[k].peer);
+        }
         free(games[i]);
     }
     if (found >= 0) free(games);

@@ -1,8 +1,9 @@
-/* Rows `scene frame, NAME`: each scene of assets/scenes in quality `game`, through daft.h alone: with one sample a
- * pixel; as it is, with antialiasing; and doing no more than the peer does: light is not sampled, and mirrors and glass
- * show the sky. The first camera sways for 120 frames (sway.h), so that each is drawn in
- * full. What the engine keeps from frame to frame stays kept, as for a user. The row also reports the time of a frame
- * in which nothing moves. The peer is llvmpipe, with one sample a pixel and with four. */
+/* Rows `scene frame, NAME`: each scene of assets/scenes in quality `game`: with one sample a pixel; as it is, with
+ * antialiasing; and doing no more than the peer does: light is not sampled, and mirrors and glass show the sky. Of that
+ * there are two: beside the peer whose only shadows are the sun's, without any where no sun casts them, and with all
+ * shadows beside the peer that has all. The first camera sways for 120 frames (sway.h), so that each is drawn in full.
+ * What the engine keeps from frame to frame stays kept, as for a user. The row also reports the time of a frame in
+ * which nothing moves. The peer is llvmpipe, with one sample a pixel and with four. */
 #include "frames/users.h"
 
 #include "frames/sway.h"
@@ -12,14 +13,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef enum show_kind { SHOW_PLAIN, SHOW_ANTIALIASED, SHOW_EQUAL_WORK, SHOW_KINDS } show_kind;
-static const char *const KINDS[SHOW_KINDS] = {"", ", antialiased", ", equal work"};
+typedef enum show_kind { SHOW_PLAIN, SHOW_ANTIALIASED, SHOW_EQUAL_WORK, SHOW_ALL_SHADOWS, SHOW_KINDS } show_kind;
+static const struct {
+    const char *name;
+    users_beside peer;
+} KINDS[SHOW_KINDS] = {[SHOW_PLAIN] = {"", USERS_BESIDE_PLAIN},
+                       [SHOW_ANTIALIASED] = {", antialiased", USERS_BESIDE_ANTIALIASED},
+                       [SHOW_EQUAL_WORK] = {", equal work", USERS_BESIDE_PLAIN},
+                       [SHOW_ALL_SHADOWS] = {", all shadows", USERS_BESIDE_ALL_SHADOWS}};
 
-static daft_quality quality_of(show_kind kind)
+static daft_quality quality_of(show_kind kind, const users_show *s)
 {
     daft_quality q = daft_preset_quality(DAFT_PRESET_GAME);
     if (kind != SHOW_ANTIALIASED) q.edge_samples = 0;
-    if (kind == SHOW_EQUAL_WORK) sway_equal_work(&q);
+    if (kind == SHOW_EQUAL_WORK) sway_equal_work(&q, sway_has_sun(s->scene, &s->view));
+    if (kind == SHOW_ALL_SHADOWS) sway_equal_work(&q, true);
     return q;
 }
 
@@ -52,16 +60,17 @@ static void measure_scene(bench *self, const char *row, const char *path, int th
     users_show s;
     daft_error error = {0};
     char text[1200], note[64];
-    users_frames best = {0}, peer = {0};
+    users_frames best = {0};
+    users_beside peer = KINDS[kind].peer;
     fprintf(stderr, "%s, %d thread%s\n", row, threads, threads == 1 ? "" : "s");
     bool good = users_open(self, path, threads, SWAY_WIDTH, SWAY_HEIGHT, &s, &error);
-    s.view.quality = quality_of(kind);
+    if (good) s.view.quality = quality_of(kind, &s);
     good = good && draw(&s, &s.view.camera, &error) >= 0;
     for (int i = 0; good && i < (self->rounds ? self->rounds : 2); i++) {
         users_frames f;
         good = show_all(&s, &f, &error);
         if (i == 0 || f.median < best.median) best = f;
-        users_peer(self, "scene", path, threads, kind == SHOW_ANTIALIASED, &peer);
+        users_peer(self, "scene", path, threads, &peer);
     }
     if (good) {
         draw(&s, &s.view.camera, &error);
@@ -83,7 +92,7 @@ void bench_shown_scenes(bench *self)
         snprintf(path, sizeof path, "%s/assets/scenes/%.200s", DAFT_ROOT, files[i]->d_name);
         for (show_kind kind = 0; kind < SHOW_KINDS; kind++) {
             snprintf(row, sizeof row, "scene frame, %.*s%s", (int)(strlen(files[i]->d_name) - 6), files[i]->d_name,
-                     KINDS[kind]);
+                     KINDS[kind].name);
             if (users_wants(self, row))
                 for (int t = 0; t < count; t++) measure_scene(self, row, path, counts[t], kind);
         }

@@ -6,6 +6,7 @@
 #include "daft.h"
 #include "math/vec.h"
 #include "math/trig.h"
+#include "scene/scene.h"
 
 #include <stdlib.h>
 
@@ -23,9 +24,26 @@ static inline daft_camera sway(const daft_camera *from, int frame)
     return camera;
 }
 
-/* What the peer leaves out is off: light is not sampled, mirrors and what transmits show the sky. */
-static inline void sway_equal_work(daft_quality *q)
+/* Whether the scene's first sun casts shadows: the peer's only ones, unless it casts those of all lights. */
+static inline bool sway_has_sun(daft_scene *scene, const daft_view *view)
 {
+    daft_error error;
+    daft_scene_frame *frame = daft_frame_take(scene, view, SWAY_WIDTH, SWAY_HEIGHT, &error);
+    bool casts = false;
+    if (!frame) return false;
+    for (uint32_t i = 0; i < frame->snapshot.light_count; i++) {
+        if (!frame->snapshot.lights[i].sun) continue;
+        casts = frame->snapshot.lights[i].casts_shadow;
+        break;
+    }
+    daft_frame_release(scene, frame);
+    return casts;
+}
+
+/* What the peer leaves out is off: light is not sampled, mirrors and what transmits show the sky. */
+static inline void sway_equal_work(daft_quality *q, bool shadows)
+{
+    q->shadows = shadows;
     q->shadow_samples = q->occlusion_samples = q->glossy_samples = q->mirror_depth = q->refraction_depth = 0;
     q->denoise = false;
 }

@@ -31,15 +31,37 @@ typedef struct users_frames {
     int frames;
 } users_frames;
 
+/* A peer: llvmpipe. */
+typedef struct users_beside {
+    const char *options; /* of its command line, each after a space */
+    double floor, aim;   /* so many times as fast as it the median is to be */
+    users_frames best;   /* frames 0: it has not run */
+} users_beside;
+
+/* One sample a pixel, and of all shadows the sun's; four; and one, with the shadows of all lights and trilinear
+ * textures. */
+#define USERS_BESIDE_PLAIN                                                                                             \
+    {                                                                                                                  \
+        .options = "", .floor = 1.3, .aim = 2                                                                          \
+    }
+#define USERS_BESIDE_ANTIALIASED                                                                                       \
+    {                                                                                                                  \
+        .options = " --antialiased", .floor = 1.3, .aim = 2                                                            \
+    }
+#define USERS_BESIDE_ALL_SHADOWS                                                                                       \
+    {                                                                                                                  \
+        .options = " --all-shadows", .floor = 1.8, .aim = 3                                                            \
+    }
+
 /* Adds the two rows. `note` stands before the effects; floor and aim are for the 95th percentile, in milliseconds; 0:
- * none. `peer`: frames 0 where there is none; beside it the median is to be 1.3 times as fast, and twice. */
-void users_report(bench *self, const char *scene, int threads, const users_frames *f, const users_frames *peer,
+ * none. */
+void users_report(bench *self, const char *scene, int threads, const users_frames *f, const users_beside *peer,
                   const char *note, double floor, double aim);
 /* Whether the user asked for one of the two rows. */
 bool users_wants(bench *self, const char *scene);
-/* Where peers are asked for, runs llvmpipe on the scene or game (kind "scene" or "game"), with four samples a pixel or
- * one; `best` is what it reached, unless that is slower than what it was. */
-void users_peer(bench *self, const char *kind, const char *name, int threads, bool smooth, users_frames *best);
+/* Where peers are asked for, runs llvmpipe on the scene or game (kind "scene" or "game"); `best` is what it reached,
+ * unless that is slower than what it was. */
+void users_peer(bench *self, const char *kind, const char *name, int threads, users_beside *peer);
 /* The number after "name": in a JSON text; negative where there is none. */
 double users_number(const char *json, const char *name);
 /* "frame_ms" of a JSON text; the rest is 0. */

@@ -22,21 +22,22 @@ static void write_effects(const users_frames *f, const char *note, char *out, si
             used += snprintf(out + used, size - (size_t)used, " %s %.2f", f->names[i], f->effects[i]);
 }
 
-void users_report(bench *self, const char *scene, int threads, const users_frames *f, const users_frames *peer,
+void users_report(bench *self, const char *scene, int threads, const users_frames *f, const users_beside *peer,
                   const char *note, double floor, double aim)
 {
-    const bool beside = peer->frames > 0;
+    const bool beside = peer->best.frames > 0;
     bench_row row = {.unit = "ms", .isa = self->isa, .threads = threads};
     row.peer_name = self->peers ? "llvmpipe" : NULL;
     snprintf(row.scene, sizeof row.scene, "%s", scene);
     if (bench_wants(self, scene, P95)) {
         snprintf(row.what, sizeof row.what, "%s", P95);
-        row.ours = f->p95, row.peer = beside ? peer->p95 : -1, row.budget = (bench_budget){floor, aim, true};
+        row.ours = f->p95, row.peer = beside ? peer->best.p95 : -1, row.budget = (bench_budget){floor, aim, true};
         bench_add(self, &row);
     }
     if (!bench_wants(self, scene, MEDIAN)) return;
     snprintf(row.what, sizeof row.what, "%s", MEDIAN);
-    row.ours = f->median, row.peer = beside ? peer->median : -1, row.budget = (bench_budget){1.3, 2, false};
+    row.ours = f->median, row.peer = beside ? peer->best.median : -1;
+    row.budget = (bench_budget){peer->floor, peer->aim, false};
     write_effects(f, note, row.counters, sizeof row.counters);
     bench_add(self, &row);
 }
@@ -106,24 +107,23 @@ void users_read_times(const char *json, users_frames *out)
 }
 
 #ifdef DAFT_LLVMPIPE
-void users_peer(bench *self, const char *kind, const char *name, int threads, bool smooth, users_frames *best)
+void users_peer(bench *self, const char *kind, const char *name, int threads, users_beside *peer)
 {
     char command[1200], answer[1 << 14]; /* games print, too */
     if (!self->peers) return;
-    snprintf(command, sizeof command, "'%s' %s '%s' --threads %d%s", DAFT_LLVMPIPE, kind, name, threads,
-             smooth ? " --antialiased" : "");
+    snprintf(command, sizeof command, "'%s' %s '%s' --threads %d%s", DAFT_LLVMPIPE, kind, name, threads, peer->options);
     FILE *pipe = popen(command, "r");
     answer[pipe ? fread(answer, 1, sizeof answer - 1, pipe) : 0] = 0;
     users_frames now;
     users_read_times(answer, &now);
     if (!pipe || pclose(pipe) != 0 || now.frames < 1)
         bench_note(self, true, "%s: llvmpipe failed", name);
-    else if (best->frames == 0 || now.median < best->median)
-        *best = now;
+    else if (peer->best.frames == 0 || now.median < peer->best.median)
+        peer->best = now;
 }
 #else
-void users_peer(bench *self, const char *kind, const char *name, int threads, bool smooth, users_frames *best)
+void users_peer(bench *self, const char *kind, const char *name, int threads, users_beside *peer)
 {
-    (void)self, (void)kind, (void)name, (void)threads, (void)smooth, (void)best;
+    (void)self, (void)kind, (void)name, (void)threads, (void)peer;
 }
 #endif

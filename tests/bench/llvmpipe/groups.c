@@ -10,7 +10,7 @@ typedef struct peer_item {
     float distance;
 } peer_item;
 
-static bool outside(const daft_instance *i, const peer_planes *inside)
+bool peer_is_outside(const daft_instance *i, const peer_planes *inside)
 {
     for (int k = 0; k < inside->count; k++) {
         const float *p = inside->at[k];
@@ -21,10 +21,11 @@ static bool outside(const daft_instance *i, const peer_planes *inside)
     return false;
 }
 
-static float distance_to(const daft_instance *i)
+float peer_distance(const daft_instance *i, daft_vec3 from)
 {
-    const float x = fmaxf(fmaxf(i->low.x, -i->high.x), 0), y = fmaxf(fmaxf(i->low.y, -i->high.y), 0),
-                z = fmaxf(fmaxf(i->low.z, -i->high.z), 0);
+    const float x = fmaxf(fmaxf(i->low.x - from.x, from.x - i->high.x), 0),
+                y = fmaxf(fmaxf(i->low.y - from.y, from.y - i->high.y), 0),
+                z = fmaxf(fmaxf(i->low.z - from.z, from.z - i->high.z), 0);
     return sqrtf(x * x + y * y + z * z);
 }
 
@@ -54,35 +55,37 @@ static bool add_part(peer_groups *g, const daft_allocator *allocator, peer_item 
     return true;
 }
 
-static bool casts(const daft_instance *instance)
+static bool casts(const daft_instance *instance, const peer_pick *pick)
 {
+    if (pick->glowing && instance->entity == pick->glowing) return false;
     return instance->flags & (DAFT_INSTANCE_CASTS_SHADOW | DAFT_INSTANCE_FILTERS_SHADOW);
 }
 
 /* Slot by slot, but for casters without masks. What blends casts none. */
-static bool add_instance(peer_groups *g, peer_assets *assets, const daft_snapshot *s, uint32_t number, bool casters)
+static bool add_instance(peer_groups *g, peer_assets *assets, const daft_snapshot *s, uint32_t number,
+                         const peer_pick *pick)
 {
     const daft_instance *instance = &s->instances[number];
     const uint32_t mesh = peer_mesh_of(assets, instance->mesh);
     if (mesh == UINT32_MAX) return false;
-    peer_item item = {mesh, UINT32_MAX, UINT32_MAX, number, distance_to(instance)};
-    if (casters && !(instance->flags & DAFT_INSTANCE_FILTERS_SHADOW)) return add_part(g, &assets->allocator, item);
+    peer_item item = {mesh, UINT32_MAX, UINT32_MAX, number, peer_distance(instance, pick->from)};
+    if (pick->casters && !(instance->flags & DAFT_INSTANCE_FILTERS_SHADOW))
+        return add_part(g, &assets->allocator, item);
     for (uint32_t k = 0; k < assets->meshes[mesh].range_count; k++) {
         item.range = k, item.material = instance->materials[assets->meshes[mesh].ranges[k].slot];
-        if (casters && peer_traits_of(&s->materials[item.material]) & PEER_BLEND) continue;
+        if (pick->casters && peer_traits_of(&s->materials[item.material]) & PEER_BLEND) continue;
         if (!add_part(g, &assets->allocator, item)) return false;
     }
     return true;
 }
 
-static bool find_parts(peer_groups *g, peer_assets *assets, const daft_snapshot *s, const peer_planes *inside,
-                       bool casters)
+static bool find_parts(peer_groups *g, peer_assets *assets, const daft_snapshot *s, const peer_pick *pick)
 {
     g->part_count = 0;
     for (uint32_t i = 0; i < s->instance_count; i++) {
         const daft_instance *instance = &s->instances[i];
-        if ((casters && !casts(instance)) || outside(instance, inside)) continue;
-        if (!add_instance(g, assets, s, i, casters)) return false;
+        if ((pick->casters && !casts(instance, pick)) || peer_is_outside(instance, &pick->inside)) continue;
+        if (!add_instance(g, assets, s, i, pick)) return false;
     }
     return true;
 }
@@ -112,12 +115,11 @@ static bool same_call(const peer_item *a, const peer_item *b)
     return a->mesh == b->mesh && a->range == b->range && a->material == b->material;
 }
 
-bool peer_groups_fill(peer_groups *g, peer_assets *assets, const daft_snapshot *s, const peer_planes *inside,
-                      bool casters)
+bool peer_groups_fill(peer_groups *g, peer_assets *assets, const daft_snapshot *s, const peer_pick *pick)
 {
     const daft_allocator *allocator = &assets->allocator;
     g->count = 0;
-    if (!find_parts(g, assets, s, inside, casters)) return false;
+    if (!find_parts(g, assets, s, pick)) return false;
     if (g->part_count == 0) return true;
     if (!daft_grow(allocator, &g->items, &g->group_capacity, g->part_count, 0, sizeof *g->items) ||
         !daft_grow(allocator, &g->placements, &g->placement_capacity, 12 * g->part_count, 0, sizeof *g->placements))
@@ -143,7 +145,7 @@ bool peer_groups_fill(peer_groups *g, peer_assets *assets, const daft_snapshot *
     return true;
 }
 
-void peer_group_draw(const peer_groups *g, const peer_assets *assets, const peer_group *group)
+void peer_group_draw(const peer_groups *g, const peer_assets *assets, const peer_group *group, bool positions)
 {
     const peer_mesh *mesh = &assets->meshes[group->mesh];
     const peer_range *last = &mesh->ranges[mesh->range_count - 1];
@@ -154,7 +156,7 @@ void peer_group_draw(const peer_groups *g, const peer_assets *assets, const peer
         glEnable(GL_CULL_FACE);
     else
         glDisable(GL_CULL_FACE);
-    glBindVertexArray(mesh->array);
+    glBindVertexArray(positions ? mesh->position_array : mesh->array);
     glBindBuffer(GL_ARRAY_BUFFER, g->buffer);
     for (GLuint i = 0; i < 3; i++)
         glVertexAttribPointer(3 + i, 4, GL_FLOAT, GL_FALSE, 12 * sizeof(float),

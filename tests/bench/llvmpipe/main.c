@@ -20,13 +20,14 @@ static const char USAGE[] =
     "\n"
     "  --threads N      so many (1)\n"
     "  --antialiased    four samples a pixel\n"
+    "  --all-shadows    of lamps, too, by depth cubes and maps of cones; and trilinear textures\n"
     "  --size WxH       of the picture (1280x720)\n"
     "  --picture FILE   write the scene's first picture, of the camera at rest, instead\n";
 
 typedef struct options {
     const char *scene, *game, *picture;
     int threads, width, height;
-    bool antialiased;
+    bool antialiased, all_shadows;
 } options;
 
 static bool parse(int argc, char **argv, options *o)
@@ -36,6 +37,10 @@ static bool parse(int argc, char **argv, options *o)
         const char *value = i + 1 < argc ? argv[i + 1] : NULL;
         if (strcmp(argv[i], "--antialiased") == 0) {
             o->antialiased = true;
+            continue;
+        }
+        if (strcmp(argv[i], "--all-shadows") == 0) {
+            o->all_shadows = true;
             continue;
         }
         if (!value) return false;
@@ -189,7 +194,7 @@ int main(int argc, char **argv)
     def.threads = o.threads;
     daft_engine *engine = daft_engine_create(&def, &error);
     if (!engine) return report_error(&error), 1;
-    peer *p = peer_create(&(peer_def){o.width, o.height, o.threads, o.antialiased});
+    peer *p = peer_create(&(peer_def){o.width, o.height, o.threads, o.antialiased, o.all_shadows});
     daft_scene *scene = p && o.scene ? daft_scene_create(engine, &error) : NULL;
     const bool good = p && (o.scene ? scene && run_scene(p, &o, engine, scene) : run_game(p, &o, engine));
     if (scene) daft_scene_destroy(scene);

@@ -1,4 +1,4 @@
-/* A frame: the shadow map, then surfaces by groups, nearest first, then the sky where nothing is, then what blends. */
+/* A frame: the shadow maps, then surfaces by groups, nearest first, then the sky where nothing is, then what blends. */
 #include "llvmpipe/peer.h"
 
 #include <GL/osmesa.h>
@@ -21,7 +21,10 @@ struct peer {
     GLuint target, single;       /* the same where a pixel has one sample */
     peer_assets assets;
     peer_groups groups;
+    peer_casters casters;
     peer_shadow shadow;
+    peer_lamps lamps;
+    peer_lights lights;       /* of the frame */
     peer_frame_traits traits; /* that the programs are for */
     uint64_t frame;
     surface_program programs[PEER_PROGRAMS];
@@ -76,11 +79,12 @@ peer *peer_create(const peer_def *def)
     peer *self = calloc(1, sizeof *self);
     if (!self) return NULL;
     self->def = *def;
-    self->assets.allocator = daft_malloc_allocator();
+    self->assets.allocator = daft_malloc_allocator(), self->assets.trilinear = def->all_shadows;
     bool good = make_context(self) && make_target(def, 0, &self->single);
     if (good && def->antialiased) good = make_target(def, 4, &self->target);
     if (good && !def->antialiased) self->target = self->single;
-    good = good && peer_shadow_create(&self->shadow);
+    good = good && peer_casters_create(&self->casters) && peer_shadow_create(&self->shadow) &&
+           (!def->all_shadows || peer_lamps_create(&self->lamps));
     if (good) {
         glGenVertexArrays(1, &self->no_array);
         return self;
@@ -94,7 +98,7 @@ void peer_destroy(peer *self)
 {
     if (!self) return;
     peer_groups_free(&self->groups, &self->assets.allocator);
-    peer_shadow_free(&self->shadow, &self->assets.allocator);
+    peer_casters_free(&self->casters, &self->assets.allocator);
     peer_assets_free(&self->assets);
     if (self->context) OSMesaDestroyContext(self->context);
     free(self);
@@ -104,7 +108,7 @@ void peer_destroy(peer *self)
 
 typedef struct camera {
     float to_clip[16]; /* column-major */
-    peer_planes inside;
+    peer_sight sight;
 } camera;
 
 static float farthest(const daft_snapshot *s)
@@ -122,7 +126,7 @@ static float farthest(const daft_snapshot *s)
 /* A plane's row of a clip matrix: last row plus or minus another one. */
 static void add_plane(camera *c, int row, float sign)
 {
-    float *out = c->inside.at[c->inside.count++];
+    float *out = c->sight.inside.at[c->sight.inside.count++];
     for (int k = 0; k < 4; k++) out[k] = c->to_clip[4 * k + 3] + sign * c->to_clip[4 * k + row];
 }
 
@@ -132,58 +136,65 @@ static camera camera_of(const daft_snapshot *s)
     const daft_vec3 rows[4] = {daft_scale(s->right, 2 * s->focal / (float)s->width),
                                daft_scale(s->up, 2 * s->focal / (float)s->height), daft_scale(s->forward, depth),
                                s->forward};
-    camera c = {.inside.count = 0};
+    camera c = {.sight.inside.count = 0};
     for (int i = 0; i < 4; i++) c.to_clip[i] = rows[i].x, c.to_clip[4 + i] = rows[i].y, c.to_clip[8 + i] = rows[i].z;
     c.to_clip[14] = -2 * far * near / (far - near);
     for (int row = 0; row < 3; row++) {
         add_plane(&c, row, 1);
         if (row < 2) add_plane(&c, row, -1);
     }
+    for (int i = 0; i < 4; i++) {
+        const float x = far * (float)s->width / (2 * s->focal), y = far * (float)s->height / (2 * s->focal);
+        const daft_vec3 p = daft_add(daft_scale(s->forward, far), daft_scale(s->right, i & 1 ? x : -x));
+        c.sight.corners[i + 1] = daft_add(p, daft_scale(s->up, i & 2 ? y : -y));
+    }
     return c;
 }
 
 /* ---- programs and lights ---- */
 
-static peer_frame_traits traits_of_frame(const daft_snapshot *s)
+static peer_frame_traits traits_of_frame(const daft_snapshot *s, const peer_lights *lights)
 {
-    peer_frame_traits c = {.around = s->ambient.by_normal};
-    c.exposed = daft_tone_changes(&s->tone), c.curve = s->tone.curve;
-    for (uint32_t i = 0; i < s->light_count && i < PEER_LIGHTS; i++) {
-        const daft_light_source *light = &s->lights[i];
-        if (light->sun)
-            c.shadow |= c.suns++ == 0 && light->casts_shadow;
-        else if (light->spot)
-            c.spots++;
-        else
-            c.points++;
-    }
-    return c;
+    return (peer_frame_traits){.suns = lights->suns,
+                               .points = lights->points,
+                               .spots = lights->spots,
+                               .cubes = lights->cubes,
+                               .cones = lights->cones,
+                               .shadow = lights->suns && lights->items[0]->casts_shadow,
+                               .around = s->ambient.by_normal,
+                               .exposed = daft_tone_changes(&s->tone),
+                               .curve = s->tone.curve};
 }
 
-/* By their kinds: suns, points, spots. */
-static void set_lights(GLuint program, const daft_snapshot *s, const peer_frame_traits *counts)
+static void set_maps(GLuint program, const peer_lights *lights, const peer_lamps *lamps)
+{
+    if (lights->cubes)
+        glUniform2fv(glGetUniformLocation(program, "cube_depth"), lights->cubes, &lamps->cube_depth[0][0]);
+    if (!lights->cones) return;
+    glUniform2fv(glGetUniformLocation(program, "cone_depth"), lights->cones, &lamps->cone_depth[0][0]);
+    glUniform3fv(glGetUniformLocation(program, "cone_across"), lights->cones, &lamps->cone_across[0].x);
+    glUniform3fv(glGetUniformLocation(program, "cone_up"), lights->cones, &lamps->cone_up[0].x);
+}
+
+static void set_lights(GLuint program, const peer_lights *lights)
 {
     daft_vec3 at[PEER_LIGHTS], color[PEER_LIGHTS], axis[PEER_LIGHTS] = {{0, 0, 0}};
     float cone[PEER_LIGHTS][2] = {{0, 0}}, range2[PEER_LIGHTS];
-    int places[3] = {0, counts->suns, counts->suns + counts->points};
-    for (uint32_t i = 0; i < s->light_count && i < PEER_LIGHTS; i++) {
-        const daft_light_source *light = &s->lights[i];
-        const int kind = light->sun    ? 0
-                         : light->spot ? 2
-                                       : 1,
-                  k = places[kind]++, spot = k - counts->suns - counts->points;
-        at[k] = light->sun ? light->to_light : light->position, color[k] = light->color;
-        range2[k] = light->range > 0 ? 1 / (light->range * light->range) : 0;
-        if (kind == 2) axis[spot] = light->to_light, cone[spot][0] = light->cone_cosine;
-        if (kind == 2) cone[spot][1] = light->cone_scale;
-    }
-    const int count = counts->suns + counts->points + counts->spots;
+    const int count = lights->suns + lights->points + lights->spots;
     if (count == 0) return;
+    for (int i = 0; i < count; i++) {
+        const daft_light_source *light = lights->items[i];
+        const int spot = i - lights->suns - lights->points;
+        at[i] = light->sun ? light->to_light : light->position, color[i] = light->color;
+        range2[i] = light->range > 0 ? 1 / (light->range * light->range) : 0;
+        if (spot < 0) continue;
+        axis[spot] = light->to_light, cone[spot][0] = light->cone_cosine, cone[spot][1] = light->cone_scale;
+    }
     glUniform3fv(glGetUniformLocation(program, "light_at"), count, &at[0].x);
     glUniform3fv(glGetUniformLocation(program, "light_color"), count, &color[0].x);
     glUniform1fv(glGetUniformLocation(program, "range2"), count, range2);
-    if (counts->spots) glUniform3fv(glGetUniformLocation(program, "spot_axis"), counts->spots, &axis[0].x);
-    if (counts->spots) glUniform2fv(glGetUniformLocation(program, "spot_cone"), counts->spots, &cone[0][0]);
+    if (lights->spots) glUniform3fv(glGetUniformLocation(program, "spot_axis"), lights->spots, &axis[0].x);
+    if (lights->spots) glUniform2fv(glGetUniformLocation(program, "spot_cone"), lights->spots, &cone[0][0]);
 }
 
 static surface_program make_program(uint32_t traits, const peer_frame_traits *frame)
@@ -199,6 +210,7 @@ static surface_program make_program(uint32_t traits, const peer_frame_traits *fr
     glUniform1i(glGetUniformLocation(p, "picture"), 0);
     glUniform1i(glGetUniformLocation(p, "shadow_map"), 1);
     glUniform1i(glGetUniformLocation(p, "sky"), 2);
+    glUniform1i(glGetUniformLocation(p, "lamp_maps"), 4);
     return out;
 }
 
@@ -210,10 +222,10 @@ static void set_exposure(GLuint program, const daft_snapshot *s)
 /* Programs for other frames are of no use. */
 static bool begin_programs(peer *self, const daft_snapshot *s)
 {
-    const peer_frame_traits traits = traits_of_frame(s), *old = &self->traits;
+    const peer_frame_traits traits = traits_of_frame(s, &self->lights), *old = &self->traits;
     const bool same = traits.suns == old->suns && traits.points == old->points && traits.spots == old->spots &&
-                      traits.shadow == old->shadow && traits.around == old->around && traits.exposed == old->exposed &&
-                      traits.curve == old->curve;
+                      traits.cubes == old->cubes && traits.cones == old->cones && traits.shadow == old->shadow &&
+                      traits.around == old->around && traits.exposed == old->exposed && traits.curve == old->curve;
     self->frame++, self->traits = traits;
     if (same && self->sky_program) return true;
     for (uint32_t i = 0; i < PEER_PROGRAMS; i++) {
@@ -238,7 +250,8 @@ static const surface_program *use_program(peer *self, uint32_t traits, const daf
     const daft_vec3 *around = s->ambient.by_normal ? s->ambient.harmonics : &s->ambient.color;
     glUniform3fv(glGetUniformLocation(p->name, "harmonics"), s->ambient.by_normal ? DAFT_HARMONICS : 1, &around->x);
     set_exposure(p->name, s);
-    set_lights(p->name, s, &self->traits);
+    set_lights(p->name, &self->lights);
+    set_maps(p->name, &self->lights, &self->lamps);
     return p;
 }
 
@@ -271,11 +284,12 @@ static bool draw_surfaces(peer *self, const daft_snapshot *s, const camera *c, b
     (blends ? glEnable : glDisable)(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
     glActiveTexture(GL_TEXTURE1), glBindTexture(GL_TEXTURE_2D, self->shadow.map);
+    glActiveTexture(GL_TEXTURE4), glBindTexture(GL_TEXTURE_2D_ARRAY, self->lamps.maps);
     for (size_t i = 0; i < self->groups.count; i++) {
         const peer_group *group = &self->groups.items[i];
         if (group->blends != blends) continue;
         if (!set_material(self, s, c, &s->materials[group->material])) return false;
-        peer_group_draw(&self->groups, &self->assets, group);
+        peer_group_draw(&self->groups, &self->assets, group, false);
     }
     glDisable(GL_BLEND);
     return true;
@@ -296,23 +310,27 @@ static void draw_sky(peer *self, const daft_snapshot *s)
     glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-static const daft_light_source *shadowing_sun(const daft_snapshot *s)
+static bool draw_maps(peer *self, const daft_snapshot *s, const camera *c)
 {
-    for (uint32_t i = 0; i < s->light_count && i < PEER_LIGHTS; i++)
-        if (s->lights[i].sun) return s->lights[i].casts_shadow ? &s->lights[i] : NULL;
-    return NULL;
+    const peer_lights *lights = &self->lights;
+    if (lights->suns && lights->items[0]->casts_shadow &&
+        !peer_shadow_draw(&self->shadow, &self->casters, &self->assets, s, lights->items[0]))
+        return false;
+    return lights->cubes + lights->cones == 0 ||
+           peer_lamps_draw(&self->lamps, &self->casters, &self->assets, s, lights, &c->sight);
 }
 
 bool peer_draw(peer *self, const daft_snapshot *s)
 {
     const camera c = camera_of(s);
-    const daft_light_source *sun = shadowing_sun(s);
+    const peer_pick seen = {.inside = c.sight.inside};
+    peer_lights_find(&self->lights, s, self->def.all_shadows);
     glActiveTexture(GL_TEXTURE2);
     const GLuint sky = peer_sky_of(&self->assets, &s->sky);
     if (!sky) return false;
     glBindTexture(GL_TEXTURE_CUBE_MAP, sky);
-    if (sun && !peer_shadow_draw(&self->shadow, &self->assets, s, sun)) return false;
-    if (!peer_groups_fill(&self->groups, &self->assets, s, &c.inside, false)) return false;
+    if (!draw_maps(self, s, &c)) return false;
+    if (!peer_groups_fill(&self->groups, &self->assets, s, &seen)) return false;
     if (!begin_programs(self, s)) return false;
     glBindFramebuffer(GL_FRAMEBUFFER, self->target);
     glViewport(0, 0, self->def.width, self->def.height);

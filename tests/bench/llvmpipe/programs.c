@@ -61,6 +61,9 @@ static const char SURFACE_FRAGMENT[] =
     "uniform float shininess, transmission, index, blur;\n"
     "uniform sampler2D picture, opacity_map;\n"
     "uniform sampler2DShadow shadow_map;\n"
+    "uniform sampler2DArrayShadow lamp_maps;\n" /* six faces of each cube, then cones */
+    "uniform vec2 cube_depth[CUBES + 1], cone_depth[CONES + 1];\n"
+    "uniform vec3 cone_across[CONES + 1], cone_up[CONES + 1];\n"
     "uniform samplerCube sky;\n"
     "uniform float opacity, cutoff;\n"
     "uniform vec4 channel;\n"
@@ -80,12 +83,44 @@ static const char SURFACE_FRAGMENT[] =
     "        for (int x = -1; x <= 1; x++) lit += texture(shadow_map, under + vec3(x, y, 0) / 2048);\n"
     "    return lit / 9;\n"
     "}\n"
+    "float cube_light(int k, vec3 to_light) {\n"
+    "    vec3 p = -to_light, a = abs(p);\n"
+    "    bool x = a.x >= max(a.y, a.z), y = !x && a.y >= a.z;\n"
+    "    float major = x ? p.x : y ? p.y : p.z, along = 1 / abs(major), side = sign(major);\n"
+    "    vec2 st = vec2(x ? -side * p.z : y ? p.x : side * p.x, y ? side * p.z : -p.y) * (0.5 * along) + 0.5;\n"
+    "    float face = (x ? 0.5 : y ? 2.5 : 4.5) - 0.5 * side + float(6 * k);\n"
+    "    return texture(lamp_maps, vec4(st, face, cube_depth[k].x + cube_depth[k].y * along));\n"
+    "}\n"
+    "float cone_light(int k, vec3 to_light) {\n"
+    "    float along = 1 / max(dot(to_light, spot_axis[k]), 1e-4);\n"
+    "    vec2 at = 0.5 - vec2(dot(to_light, cone_across[k]), dot(to_light, cone_up[k])) * along;\n"
+    "    return texture(lamp_maps, vec4(at, 6 * CUBES + k, cone_depth[k].x + cone_depth[k].y * along));\n"
+    "}\n"
     "vec3 reflected(vec3 l, float cosine, vec3 n, vec3 eye, vec3 albedo) {\n"
     "    vec3 sum = diffuse * albedo * cosine;\n"
     "#ifdef SPECULAR\n"
     "    sum += specular * pow(max(2 * cosine * dot(n, eye) - dot(l, eye), 1e-6), shininess);\n"
     "#endif\n"
     "    return cosine > 0 ? sum : vec3(0);\n"
+    "}\n"
+    /* Called with constants, so that no loop is left with arrays that are read by a variable. */
+    "vec3 lamp(int i, vec3 n, vec3 eye, vec3 albedo) {\n"
+    "    vec3 to_light = light_at[i] - place;\n"
+    "    float length2 = dot(to_light, to_light), left = max(1 - length2 * range2[i], 0);\n"
+    "    vec3 l = to_light * inversesqrt(length2);\n"
+    "    vec3 part = light_color[i] * reflected(l, dot(n, l), n, eye, albedo) * left * left;\n"
+    "    int spot = i - SUNS - POINTS;\n"
+    "    if (spot >= 0) {\n"
+    "        float t = clamp((dot(l, spot_axis[spot]) - spot_cone[spot].x) * spot_cone[spot].y, 0, 1);\n"
+    "        part *= t * t * (3 - 2 * t);\n"
+    "    }\n"
+    "#if CUBES > 0\n"
+    "    if (i < SUNS + CUBES) part *= cube_light(i - SUNS, to_light);\n"
+    "#endif\n"
+    "#if CONES > 0\n"
+    "    if (spot >= 0 && spot < CONES) part *= cone_light(spot, to_light);\n"
+    "#endif\n"
+    "    return part;\n"
     "}\n"
     "void main() {\n"
     "    float there = opacity;\n"
@@ -109,19 +144,7 @@ static const char SURFACE_FRAGMENT[] =
     "#endif\n"
     "        sum += part;\n"
     "    }\n"
-    "    for (int i = SUNS; i < SUNS + POINTS + SPOTS; i++) {\n"
-    "        vec3 l = light_at[i] - place;\n"
-    "        float length2 = dot(l, l);\n"
-    "        l *= inversesqrt(length2);\n"
-    "        vec3 part = light_color[i] * reflected(l, dot(n, l), n, eye, albedo);\n"
-    "        if (i >= SUNS + POINTS) {\n"
-    "            int k = i - SUNS - POINTS;\n"
-    "            float t = clamp((dot(l, spot_axis[k]) - spot_cone[k].x) * spot_cone[k].y, 0, 1);\n"
-    "            part *= t * t * (3 - 2 * t);\n"
-    "        }\n"
-    "        float left = max(1 - length2 * range2[i], 0);\n"
-    "        sum += part * left * left;\n"
-    "    }\n"
+    "    LAMPS\n"
     "#ifdef MIRROR\n"
     "    sum += mirror * textureLod(sky, reflect(-eye, n), blur).rgb;\n"
     "#endif\n"
@@ -225,17 +248,30 @@ uint32_t peer_traits_of(const daft_surface *m)
 
 static void frame_head(const peer_frame_traits *frame, char *out, size_t size)
 {
-    snprintf(out, size, "#define SUNS %d\n#define POINTS %d\n#define SPOTS %d\n%s%s%s%s%s", frame->suns, frame->points,
-             frame->spots, frame->shadow ? "#define SHADOW\n" : "", frame->around ? "#define AROUND\n" : "",
+    snprintf(out, size,
+             "#define SUNS %d\n#define POINTS %d\n#define SPOTS %d\n"
+             "#define CUBES %d\n#define CONES %d\n%s%s%s%s%s",
+             frame->suns, frame->points, frame->spots, frame->cubes, frame->cones,
+             frame->shadow ? "#define SHADOW\n" : "", frame->around ? "#define AROUND\n" : "",
              frame->exposed ? "#define EXPOSED\n" : "", frame->curve == DAFT_TONE_ACES ? "#define ACES\n" : "",
              frame->curve == DAFT_TONE_AGX ? "#define AGX\n" : "");
+}
+
+static void add_lamps(const peer_frame_traits *frame, char *head, size_t size)
+{
+    size_t used = strlen(head);
+    used += (size_t)snprintf(head + used, size - used, "#define LAMPS");
+    for (int i = frame->suns; i < frame->suns + frame->points + frame->spots; i++)
+        used += (size_t)snprintf(head + used, size - used, " sum += lamp(%d, n, eye, albedo);", i);
+    snprintf(head + used, size - used, "\n");
 }
 
 GLuint peer_surface_program(uint32_t traits, const peer_frame_traits *frame)
 {
     static const char *const NAMES[] = {"TEXTURE", "SPECULAR", "MIRROR", "CLEAR", "OPACITY", "MASK", "BLEND"};
-    char head[512];
+    char head[4096]; /* PEER_LIGHTS lines of 36 */
     frame_head(frame, head, sizeof head);
+    add_lamps(frame, head, sizeof head);
     for (uint32_t i = 0; i < sizeof NAMES / sizeof NAMES[0]; i++)
         if (traits >> i & 1) strcat(strcat(strcat(head, "#define "), NAMES[i]), "\n");
     return link_program(head, SURFACE_VERTEX, SURFACE_FRAGMENT);

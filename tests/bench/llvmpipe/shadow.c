@@ -1,4 +1,4 @@
-/* The sun's shadow map: 2048², around what the camera sees up to 60 m, and what casts shadows there. */
+/* What casts shadows, as maps see it, and the sun's map: 2048², around what the camera sees up to 60 m. */
 #include "llvmpipe/peer.h"
 
 #include "math/vec.h"
@@ -11,7 +11,7 @@ static const float FARTHEST = 60; /* metres */
 
 bool peer_shadow_create(peer_shadow *s)
 {
-    *s = (peer_shadow){.program = peer_depth_program(false), .mask_program = peer_depth_program(true)};
+    *s = (peer_shadow){.map = 0};
     glGenTextures(1, &s->map);
     glBindTexture(GL_TEXTURE_2D, s->map);
     glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, SIDE, SIDE, 0, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, NULL);
@@ -26,7 +26,7 @@ bool peer_shadow_create(peer_shadow *s)
     glBindFramebuffer(GL_FRAMEBUFFER, s->target);
     glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, s->map, 0);
     glDrawBuffer(GL_NONE), glReadBuffer(GL_NONE);
-    return s->program && s->mask_program && glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
+    return glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
 }
 
 /* A box along the light's axes: across, across, away from the light. */
@@ -102,37 +102,51 @@ static peer_planes planes_of(const light_box *box)
     return p;
 }
 
-bool peer_shadow_draw(peer_shadow *shadow, peer_assets *assets, const daft_snapshot *s, const daft_light_source *sun)
+bool peer_casters_create(peer_casters *c)
 {
-    const light_box box = fit(s, sun->to_light);
-    const peer_planes inside = planes_of(&box);
-    float to_clip[16];
-    matrix_of(&box, 1, 0, to_clip);
-    matrix_of(&box, 0.5f, 0.5f, shadow->from_frame);
-    if (!peer_groups_fill(&shadow->groups, assets, s, &inside, true)) return false;
-    glBindFramebuffer(GL_FRAMEBUFFER, shadow->target);
-    glViewport(0, 0, SIDE, SIDE);
+    *c = (peer_casters){.programs = {peer_depth_program(false), peer_depth_program(true)}};
+    return c->programs[0] && c->programs[1];
+}
+
+static bool is_masked(const daft_snapshot *s, const peer_group *group)
+{
+    const uint32_t both = PEER_MASK | PEER_OPACITY;
+    return group->range != UINT32_MAX && (peer_traits_of(&s->materials[group->material]) & both) == both;
+}
+
+bool peer_casters_draw(peer_casters *c, peer_assets *assets, const daft_snapshot *s, const peer_pick *pick,
+                       const float to_clip[16])
+{
+    if (!peer_groups_fill(&c->groups, assets, s, pick)) return false;
     glEnable(GL_DEPTH_TEST), glDepthFunc(GL_LESS), glDepthMask(GL_TRUE);
     glEnable(GL_POLYGON_OFFSET_FILL), glPolygonOffset(2, 4);
     glClear(GL_DEPTH_BUFFER_BIT);
-    const GLuint programs[2] = {shadow->program, shadow->mask_program};
     for (int k = 0; k < 2; k++) {
-        glUseProgram(programs[k]);
-        glUniformMatrix4fv(glGetUniformLocation(programs[k], "view"), 1, GL_FALSE, to_clip);
+        glUseProgram(c->programs[k]);
+        glUniformMatrix4fv(glGetUniformLocation(c->programs[k], "view"), 1, GL_FALSE, to_clip);
     }
-    for (size_t i = 0; i < shadow->groups.count; i++) {
-        const peer_group *group = &shadow->groups.items[i];
-        const daft_surface *m = group->range == UINT32_MAX ? NULL : &s->materials[group->material];
-        const bool mask = m && peer_traits_of(m) & PEER_MASK && peer_traits_of(m) & PEER_OPACITY;
-        glUseProgram(programs[mask]);
-        if (mask) peer_set_opacity(assets, s, m, shadow->mask_program);
-        peer_group_draw(&shadow->groups, assets, group);
+    for (size_t i = 0; i < c->groups.count; i++) {
+        const peer_group *group = &c->groups.items[i];
+        const bool mask = is_masked(s, group);
+        glUseProgram(c->programs[mask]);
+        if (mask) peer_set_opacity(assets, s, &s->materials[group->material], c->programs[mask]);
+        peer_group_draw(&c->groups, assets, group, !mask);
     }
     glDisable(GL_POLYGON_OFFSET_FILL);
     return true;
 }
 
-void peer_shadow_free(peer_shadow *shadow, const daft_allocator *allocator)
+void peer_casters_free(peer_casters *c, const daft_allocator *allocator) { peer_groups_free(&c->groups, allocator); }
+
+bool peer_shadow_draw(peer_shadow *shadow, peer_casters *casters, peer_assets *assets, const daft_snapshot *s,
+                      const daft_light_source *sun)
 {
-    peer_groups_free(&shadow->groups, allocator);
+    const light_box box = fit(s, sun->to_light);
+    const peer_pick pick = {.inside = planes_of(&box), .casters = true};
+    float to_clip[16];
+    matrix_of(&box, 1, 0, to_clip);
+    matrix_of(&box, 0.5f, 0.5f, shadow->from_frame);
+    glBindFramebuffer(GL_FRAMEBUFFER, shadow->target);
+    glViewport(0, 0, SIDE, SIDE);
+    return peer_casters_draw(casters, assets, s, &pick, to_clip);
 }

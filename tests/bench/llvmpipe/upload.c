@@ -50,6 +50,29 @@ static bool welder_begin(welder *w, uint32_t corners)
 
 static void welder_free(welder *w) { free(w->keys), free(w->numbers), free(w->vertices), free(w->indices); }
 
+/* Rows of placements follow from location 3 on. */
+static void enable_placements(void)
+{
+    for (GLuint i = 3; i < 6; i++) glEnableVertexAttribArray(i), glVertexAttribDivisor(i, 1);
+}
+
+/* `positions`: three floats a vertex, and `indices` into them, as many as the mesh has. */
+static void upload_positions(peer_mesh *out, const float *positions, uint32_t count, const uint32_t *indices,
+                             uint32_t index_count)
+{
+    GLuint buffers[2];
+    glGenVertexArrays(1, &out->position_array);
+    glGenBuffers(2, buffers);
+    glBindVertexArray(out->position_array);
+    glBindBuffer(GL_ARRAY_BUFFER, buffers[0]);
+    glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(3 * count * sizeof *positions), positions, GL_STATIC_DRAW);
+    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, buffers[1]);
+    glBufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)(index_count * sizeof *indices), indices, GL_STATIC_DRAW);
+    glEnableVertexAttribArray(0);
+    glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, 3 * sizeof(float), NULL);
+    enable_placements();
+}
+
 static bool upload(peer_mesh *out, const welder *w, uint32_t index_count)
 {
     glGenVertexArrays(1, &out->array);
@@ -65,7 +88,7 @@ static bool upload(peer_mesh *out, const welder *w, uint32_t index_count)
         glVertexAttribPointer(i, sizes[i], GL_FLOAT, GL_FALSE, VERTEX_FLOATS * sizeof(float),
                               (const void *)((size_t)offsets[i] * sizeof(float)));
     }
-    for (GLuint i = 3; i < 6; i++) glEnableVertexAttribArray(i), glVertexAttribDivisor(i, 1);
+    enable_placements();
     return glGetError() == GL_NO_ERROR;
 }
 
@@ -87,23 +110,37 @@ static bool is_closed(const daft_trimesh *mesh)
     return sum == 0;
 }
 
+/* Without normals and u, v there are fewer vertices. `order`: the mesh's corners, as the welded indices go. */
+static bool upload_mesh_positions(peer_mesh *out, const daft_trimesh *mesh, uint32_t *order, uint32_t count)
+{
+    float *positions = malloc(3 * (size_t)daft_max_u(mesh->vertex_count, 1) * sizeof *positions);
+    if (!positions) return false;
+    for (uint32_t i = 0; i < mesh->vertex_count; i++)
+        positions[3 * i] = mesh->x[i], positions[3 * i + 1] = mesh->y[i], positions[3 * i + 2] = mesh->z[i];
+    for (uint32_t i = 0; i < count; i++) order[i] = mesh->indices[order[i]];
+    upload_positions(out, positions, mesh->vertex_count, order, count);
+    free(positions);
+    return true;
+}
+
 /* The triangles slot by slot. */
 static bool make_mesh(peer_mesh *out, const daft_trimesh *mesh)
 {
     welder w;
     const uint32_t slots = daft_max_u(mesh->slot_count, 1);
     out->ranges = calloc(slots, sizeof *out->ranges);
-    bool good = welder_begin(&w, 3 * daft_max_u(mesh->triangle_count, 1)) && out->ranges;
-    uint32_t used = 0;
+    uint32_t *order = malloc(3 * (size_t)daft_max_u(mesh->triangle_count, 1) * sizeof *order), used = 0;
+    bool good = welder_begin(&w, 3 * daft_max_u(mesh->triangle_count, 1)) && out->ranges && order;
     for (uint32_t slot = 0; good && slot < slots; slot++) {
         const uint32_t first = used;
         for (uint32_t t = 0; t < mesh->triangle_count; t++)
             if ((mesh->slots ? mesh->slots[t] : 0) == slot)
-                for (uint32_t k = 0; k < 3; k++) w.indices[used++] = weld(&w, mesh, 3 * t + k);
+                for (uint32_t k = 0; k < 3; k++, used++) w.indices[used] = weld(&w, mesh, order[used] = 3 * t + k);
         if (used > first) out->ranges[out->range_count++] = (peer_range){slot, first, used - first};
     }
     out->triangle_count = mesh->triangle_count, out->closed = is_closed(mesh);
-    good = good && upload(out, &w, used);
+    good = good && upload_mesh_positions(out, mesh, order, used) && upload(out, &w, used);
+    free(order);
     welder_free(&w);
     return good;
 }
@@ -114,6 +151,7 @@ enum { ROUND = 48, HIGH = 24 }; /* quads of a sphere */
 static bool make_sphere(peer_mesh *out)
 {
     welder w;
+    float positions[(ROUND + 1) * (HIGH + 1)][3];
     out->ranges = calloc(1, sizeof *out->ranges);
     bool good = welder_begin(&w, 6 * ROUND * HIGH) && out->ranges;
     for (int j = 0; good && j <= HIGH; j++) {
@@ -134,6 +172,11 @@ static bool make_sphere(peer_mesh *out)
     }
     if (good) out->ranges[out->range_count++] = (peer_range){0, 0, used};
     out->closed = true;
+    if (good) {
+        for (uint32_t i = 0; i < w.count; i++)
+            memcpy(positions[i], w.vertices + VERTEX_FLOATS * (size_t)i, sizeof positions[i]);
+        upload_positions(out, positions[0], w.count, w.indices, used);
+    }
     good = good && upload(out, &w, used);
     welder_free(&w);
     return good;
@@ -168,7 +211,8 @@ GLuint peer_texture_of(peer_assets *a, const daft_texture_data *t, bool linear)
         glTexImage2D(GL_TEXTURE_2D, i, linear ? GL_RGBA8 : GL_SRGB8_ALPHA8, t->width[i], t->height[i], 0, GL_RGBA,
                      GL_UNSIGNED_BYTE, t->texels[i]);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, t->levels - 1);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_NEAREST);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER,
+                    a->trilinear ? GL_LINEAR_MIPMAP_LINEAR : GL_LINEAR_MIPMAP_NEAREST);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
     a->textures[a->texture_count++] = (peer_texture){t->texels[0], linear, name};
     return name;
