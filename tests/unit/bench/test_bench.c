@@ -118,6 +118,8 @@ static void list_names_what_there_is(void **unused)
                                         "growth, triangles frame, 1k",
                                         "growth, threads frame, 1",
                                         "visibility-accuracy, needles",
+                                        "scene frame, hall, all shadows median",
+                                        "game frame, marble, all shadows median",
                                         "sim-accuracy, ball and chain",
                                         "sim, 1,000 boxes falling into a pile",
                                         "sim, 5,000 boxes two threads to one",

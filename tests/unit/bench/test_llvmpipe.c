@@ -94,12 +94,12 @@ static void both_show_the_same(void **unused)
         const char *scene;
         work_kind work;
         int least;
-    } cases[] = {{"temple", FULL, 85},        {"islands", FULL, 85},       {"town", FULL, 85},
-                 {"glass", EQUAL_WORK, 90},   {"studio", EQUAL_WORK, 90},  {"dusk", EQUAL_WORK, 90},
+    } cases[] = {{"temple", FULL, 85},        {"islands", FULL, 85},        {"town", FULL, 85},
+                 {"glass", EQUAL_WORK, 90},   {"studio", EQUAL_WORK, 90},   {"dusk", EQUAL_WORK, 90},
                  {"leaves", EQUAL_WORK, 80},  {"panes", EQUAL_WORK, 70}, /* no shadows of what is clear */
-                 {"mirrors", EQUAL_WORK, 80}, {"hall", EQUAL_WORK, 85},    {"stage", EQUAL_WORK, 95},
-                 {"hall", ALL_SHADOWS, 85},   {"stage", ALL_SHADOWS, 95},  {"lamps", ALL_SHADOWS, 75},
-                 {"temple", ALL_SHADOWS, 95}, {"mirrors", ALL_SHADOWS, 95}};
+                 {"mirrors", EQUAL_WORK, 80}, {"hall", EQUAL_WORK, 85},     {"stage", EQUAL_WORK, 95},
+                 {"hall", ALL_SHADOWS, 85},   {"stage", ALL_SHADOWS, 95},   {"lamps", ALL_SHADOWS, 75},
+                 {"temple", ALL_SHADOWS, 95}, {"mirrors", ALL_SHADOWS, 95}, {"gallery", ALL_SHADOWS, 85}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         const int found = alike(cases[i].scene, cases[i].work);
         print_message("%s, %s: %d of 100 blocks agree\n", cases[i].scene, NAMES[cases[i].work], found);
