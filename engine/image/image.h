@@ -54,7 +54,7 @@ enum { DAFT_MAX_MIPS = 15 };
 typedef struct daft_texture_data {
     int levels;
     int width[DAFT_MAX_MIPS], height[DAFT_MAX_MIPS];
-    uint8_t *texels[DAFT_MAX_MIPS];   /* level 0, and an allocation with all others */
+    uint8_t *texels[DAFT_MAX_MIPS];   /* level 0, and an allocation with all others, one after the other */
     bool from_stb;                    /* level 0 is what stb_image has made */
     bool has_alpha;                   /* some texel's is not 255 */
     bool missing;                     /* stands in for a file that could not be read */

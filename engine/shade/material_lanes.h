@@ -28,6 +28,16 @@ DAFT_INLINE material_reader read_materials(const daft_batch *batch, const daft_s
     numbers = vi_if_then_else(vm_from_bits(used), numbers, vi_set((int32_t)first));
     return (material_reader){(const float *)materials, numbers * vi_set(SURFACE_WORDS), same, first};
 }
+/* Of points that may share one where the others beside them do not: at least one lane, of points of the batch. */
+DAFT_INLINE material_reader read_some_materials(const daft_batch *batch, const daft_surface *materials, uint32_t i,
+                                                vbits lanes)
+{
+    if (batch->one_material) return read_materials(batch, materials, i);
+    const uint32_t first = batch->material[i + (uint32_t)__builtin_ctz(lanes)];
+    const vi numbers = vi_if_then_else(vm_from_bits(lanes), vi_load(&batch->material[i]), vi_set((int32_t)first));
+    const bool same = vbits_from_mask(vi_eq(numbers, vi_set((int32_t)first))) == DAFT_ALL_LANES;
+    return (material_reader){(const float *)materials, numbers * vi_set(SURFACE_WORDS), same, first};
+}
 DAFT_INLINE vf material_word(const material_reader *r, size_t word)
 {
     if (r->same) return vf_set(r->base[r->first * SURFACE_WORDS + word]);

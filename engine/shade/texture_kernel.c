@@ -1,13 +1,12 @@
-/* Texture sampling: trilinear unless another filter is asked for, in linear light. The mip level is the
- * log2 of the footprint's side in texels (Williams, "Pyramidal Parametrics", 1983). Lanes are points: those of one
- * texture that need one level of it are sampled together, and neighbours mostly do.
+/* Texture sampling: trilinear unless another filter is asked for, in linear light. The mip level is the log2 of the
+ * footprint's side in texels (Williams, "Pyramidal Parametrics", 1983). What is read of one texture is collected first
+ * (texture_taps.h): of DAFT_VL points for maps, of a batch's points for their colours.
  *
  * Anisotropic filters take the mean of trilinear samples along the footprint's major axis, at the level of the minor
  * one (McCormack, Perry, Farkas, Jouppi, "Feline: Fast Elliptical Lines for Anisotropic Texture Mapping", SIGGRAPH
  * 1999; weights are equal here, as a pixel's are, which is what EXT_texture_filter_anisotropic does, too). */
 #include "shade/batch_lanes.h"
-
-#include "shade/srgb_table.h"
+#include "shade/texture_taps.h"
 
 /* along_kernel.c compiles this file again, for anisotropic filters alone: they share all of it, and the others do not
  * pay for them with one instruction. */
@@ -16,103 +15,12 @@
 #define TEXTURES(name) DAFT_KERNEL(name)
 #endif
 
-/* Points of one texture, whose two levels are `fine` and `fine` + 1, the latter with the weight `blend`. */
-typedef struct texture_points {
-    vf u, v; /* 0..1 */
-    vi fine;
-    vf blend; /* 0: one level serves */
-    vf3 color;
-    vf alpha;
-    vm inside; /* lanes whose edges do not meet the opposite ones */
-} texture_points;
+enum { MOST_TAPS = TEXTURES_ALONG ? 16 : 1 }; /* of a point, of one level */
+_Static_assert(2 * MOST_TAPS * DAFT_VL <= TAP_BLOCK, "a list has room for all taps of DAFT_VL points");
 
-/* What of the texels is asked for: sRGB colours as linear light or all bytes as they are, 0..1; constants where this is
- * inlined. */
-typedef struct texture_use {
-    bool linear, nearest, edges; /* edges: some lanes are `inside` */
-} texture_use;
-
-/* Offsets in texels of the four around each lane's point, and the weights between them. */
-typedef struct texture_taps {
-    vi above_left, above_right, below_left, below_right;
-    vf across, down;
-} texture_taps;
-
-DAFT_INLINE vi wrap_above(vi i, int size) /* i < size */
+DAFT_INLINE uint32_t most_taps(daft_texture_filter filter)
 {
-    return vi_if_then_else(vi_lt(i, vi_set(0)), vi_set(size - 1), i);
-}
-
-DAFT_INLINE vi wrap_below(vi i, int size) /* 0 <= i <= size */
-{
-    return vi_if_then_else(vi_lt(i, vi_set(size)), i, vi_set(0));
-}
-
-/* Of lanes in `some`; the others' offsets are 0. The top row has v = 1. */
-DAFT_INLINE texture_taps texture_place(const texture_points *p, int width, int height, vm some, bool edges)
-{
-    const vf half = vf_set(0.5f), one = vf_set(1), zero = vf_set(0);
-    vf x = vf_if_then_else(some, p->u * vf_set((float)width) - half, zero),
-       y = vf_if_then_else(some, (one - p->v) * vf_set((float)height) - half, zero);
-    if (edges) {
-        x = vf_if_then_else(p->inside, vf_min(vf_max(x, zero), vf_set((float)(width - 1))), x);
-        y = vf_if_then_else(p->inside, vf_min(vf_max(y, zero), vf_set((float)(height - 1))), y);
-    }
-    vi x0 = vi_convert_to(x + one) - vi_set(1), y0 = vi_convert_to(y + one) - vi_set(1); /* floors: both are > -1 */
-    vi left = wrap_above(x0, width), right = wrap_below(x0 + vi_set(1), width),
-       above = wrap_above(y0, height) * vi_set(width), below = wrap_below(y0 + vi_set(1), height) * vi_set(width);
-    return (texture_taps){above + left,  above + right,         below + left,
-                          below + right, x - vf_convert_to(x0), y - vf_convert_to(y0)};
-}
-
-DAFT_INLINE vf decode(vi texel, int channel) { return vf_table_lookup256(SRGB_TO_LINEAR, texel >> (8 * channel)); }
-
-/* The nearest of two texels has all the weight. */
-DAFT_INLINE vf step_at_half(vf a) { return vf_if_then_else(vf_lt(a, vf_set(0.5f)), vf_set(0), vf_set(1)); }
-
-DAFT_INLINE vf byte(vi texel, int channel)
-{
-    return vf_convert_to((texel >> (8 * channel)) & vi_set(255)) * vf_set(1.0f / 255);
-}
-
-DAFT_INLINE vf mix_four(vf a, vf b, vf c, vf d, const texture_taps *at)
-{
-    vf top = a + (b - a) * at->across, bottom = c + (d - c) * at->across;
-    return top + (bottom - top) * at->down;
-}
-
-/* Adds one level to the colour of the lanes in `some`. */
-DAFT_INLINE void add_level_as(const daft_texture_data *t, int level, vm some, vf weight, texture_use use,
-                              texture_points *p)
-{
-    texture_taps at = texture_place(p, t->width[level], t->height[level], some, use.edges);
-    if (use.nearest) at.across = step_at_half(at.across), at.down = step_at_half(at.down);
-    const uint8_t *texels = t->texels[level];
-    const vi a = vi_gather_index(texels, at.above_left), b = vi_gather_index(texels, at.above_right),
-             c = vi_gather_index(texels, at.below_left), d = vi_gather_index(texels, at.below_right);
-    vf sum[3] = {p->color.x, p->color.y, p->color.z};
-    weight = vf_if_then_else(some, weight, vf_set(0));
-    for (int k = 0; k < 3; k++) {
-        if (use.linear)
-            sum[k] = sum[k] + weight * mix_four(byte(a, k), byte(b, k), byte(c, k), byte(d, k), &at);
-        else
-            sum[k] = sum[k] + weight * mix_four(decode(a, k), decode(b, k), decode(c, k), decode(d, k), &at);
-    }
-    p->color = (vf3){sum[0], sum[1], sum[2]};
-    if (use.linear) p->alpha += weight * mix_four(byte(a, 3), byte(b, 3), byte(c, 3), byte(d, 3), &at);
-}
-
-static void add_level(const daft_texture_data *t, int level, vm some, vf weight, texture_use use, texture_points *p)
-{
-    use.linear = false;
-    add_level_as(t, level, some, weight, use, p);
-}
-
-static void add_linear_level(const daft_texture_data *t, int level, vm some, vf weight, texture_use use,
-                             texture_points *p)
-{
-    use.linear = true;
-    add_level_as(t, level, some, weight, use, p);
+    return !TEXTURES_ALONG ? 1 : filter == DAFT_TEXTURE_ANISOTROPIC4 ? 4 : 16;
 }
 
 DAFT_INLINE bool is_flat(daft_texture_filter filter)
@@ -120,35 +28,25 @@ DAFT_INLINE bool is_flat(daft_texture_filter filter)
     return filter == DAFT_TEXTURE_BILINEAR || filter == DAFT_TEXTURE_NEAREST;
 }
 
+/* The level that a point's taps are of, and the weight of taps of the next one. */
+typedef struct tap_levels {
+    vi fine;
+    vf blend; /* 0: one level serves */
+} tap_levels;
+
 /* Two levels blend in the middle half of the interval between them; in the outer quarters one level serves, which
  * halves the fetches and is not seen. */
-DAFT_INLINE void choose_levels(const daft_texture_data *t, vf level, daft_texture_filter filter, texture_points *p)
+DAFT_INLINE tap_levels choose_levels(const daft_texture_data *t, vf side, daft_texture_filter filter)
 {
     const vf zero = vf_set(0), one = vf_set(1);
+    vf level = vf_log2(vf_max(side, vf_set(1e-20f)));
     level = vf_min(vf_max(level, zero), vf_set(is_flat(filter) ? 0 : (float)(t->levels - 1)));
     if (filter == DAFT_TEXTURE_MIPMAP) level = vf_floor(level + vf_set(0.5f));
     vi fine = vi_convert_to(level);
     vf blend = (level - vf_convert_to(fine)) * vf_set(2) - vf_set(0.5f);
     vm next = vf_le(one, blend);
-    p->fine = vi_if_then_else(next, fine + vi_set(1), fine);
-    p->blend = vf_if_then_else(next, zero, vf_max(blend, zero));
-}
-
-/* The colour of the lanes in `some`, which all have this texture. */
-DAFT_INLINE void sample(const daft_texture_data *t, vf level, daft_texture_filter filter, vbits some, texture_use use,
-                        texture_points *p)
-{
-    const vf zero = vf_set(0);
-    choose_levels(t, level, filter, p);
-    vbits fine = some, coarse = some & vbits_from_mask(vf_lt(zero, p->blend));
-    while (fine | coarse) {
-        const int lane = __builtin_ctz(fine | coarse), now = p->fine[lane] + (fine >> lane & 1 ? 0 : 1);
-        const vbits in_fine = fine & vbits_from_mask(vi_eq(p->fine, vi_set(now))),
-                    in_coarse = coarse & vbits_from_mask(vi_eq(p->fine, vi_set(now - 1)));
-        const vf weight = vf_if_then_else(vm_from_bits(in_fine), vf_set(1) - p->blend, p->blend);
-        (use.linear ? add_linear_level : add_level)(t, now, vm_from_bits(in_fine | in_coarse), weight, use, p);
-        fine &= ~in_fine, coarse &= ~in_coarse;
-    }
+    return (tap_levels){vi_if_then_else(next, fine + vi_set(1), fine),
+                        vf_if_then_else(next, zero, vf_max(blend, zero))};
 }
 
 DAFT_INLINE vf fraction(vf a)
@@ -206,9 +104,10 @@ DAFT_INLINE texture_lanes lanes_of(const daft_batch *batch, const material_reade
 
 /* ---- along the footprint ---- */
 
-/* The major axis in units of u and v, how many samples lie along it, and the side in texels of what each stands for. */
+/* The major axis in units of u and v, how many samples lie along it, each one's weight, and the side in texels of what
+ * it stands for. */
 typedef struct texture_line {
-    vf u, v, count, side;
+    vf u, v, count, share, side;
 } texture_line;
 
 /* With the diameters as columns of M, in texels, the squares of the ellipse's axes are the eigenvalues of M times its
@@ -222,38 +121,16 @@ DAFT_INLINE texture_line line_of(const texture_lanes *at, const daft_texture_dat
     const vf xx = ax * ax + bx * bx, xy = ax * ay + bx * by, yy = ay * ay + by * by;
     const vf apart = (xx - yy) * half, root = vf_sqrt(apart * apart + xy * xy);
     const vf major = vf_sqrt(vf_max((xx + yy) * half + root, least)), minor = vf_abs(ax * by - ay * bx) / major;
-    const vf most = vf_set(filter == DAFT_TEXTURE_ANISOTROPIC4 ? 4 : 16);
+    const vf most = vf_set((float)most_taps(filter));
     const vf ratio = vf_min(vf_max(major / vf_max(minor, one), one), most);
     const vm flat = vf_lt(apart, zero); /* the eigenvector by the row that is not near zero */
     const vf x = vf_if_then_else(flat, xy, root + apart), y = vf_if_then_else(flat, root - apart, xy);
     const vf scale = major / vf_sqrt(vf_max(x * x + y * y, least));
-    texture_line line = {.u = x * scale / width, .v = y * scale / height};
-    line.count = vf_floor(ratio + vf_set(0.875f));
-    line.side = vf_max(minor, major / line.count);
+    texture_line line = {.u = x * scale * vf_set(1.0f / (float)t->width[0])};
+    line.v = y * scale * vf_set(1.0f / (float)t->height[0]);
+    line.count = vf_floor(ratio + vf_set(0.875f)), line.share = one / line.count;
+    line.side = vf_max(minor, major * line.share);
     return line;
-}
-
-/* The same as sample() and, in p, the same sums. */
-static void sample_along(const daft_texture_data *t, const texture_lanes *at, daft_texture_filter filter, vbits some,
-                         texture_use use, texture_points *p)
-{
-    const vf half = vf_set(0.5f), one = vf_set(1), zero = vf_set(0);
-    const texture_line line = line_of(at, t, filter);
-    const vf level = vf_log2(vf_max(line.side, vf_set(1e-20f))), share = one / line.count;
-    vbits left = some;
-    for (int k = 0; left; k++) {
-        const vf along = (vf_set((float)k) + half) * share - half;
-        texture_lanes tap = *at;
-        tap.free_u += line.u * along, tap.free_v += line.v * along;
-        put_inside(&tap);
-        texture_points one_of = {.u = tap.u, .v = tap.v, .inside = at->inside};
-        one_of.color = (vf3){zero, zero, zero}, one_of.alpha = zero;
-        sample(t, level, filter, left, use, &one_of);
-        p->color = (vf3){p->color.x + one_of.color.x * share, p->color.y + one_of.color.y * share,
-                         p->color.z + one_of.color.z * share};
-        p->alpha += one_of.alpha * share;
-        left &= vbits_from_mask(vf_lt(vf_set((float)k + 1.5f), line.count));
-    }
 }
 
 /* The side, in texels, of what one sample stands for. */
@@ -263,25 +140,104 @@ DAFT_INLINE vf side_of(const texture_lanes *at, const daft_texture_data *t, daft
     return at->footprint * vf_set(sqrtf((float)t->width[0] * (float)t->height[0]));
 }
 
+/* ---- points ---- */
+
+/* The taps of DAFT_VL points in a list: for each place along the footprint the lanes that have it, of their level and
+ * of the next one. */
+typedef struct tap_sums {
+    vf fine, coarse; /* weights of each of a point's taps */
+    uint32_t first, count;
+    vbits of_fine[MOST_TAPS], of_coarse[MOST_TAPS];
+} tap_sums;
+
+DAFT_INLINE void add_place(tap_list *list, tap_sums *sums, const texture_lanes *at, vi level, vbits fine, vbits coarse)
+{
+    sums->of_fine[sums->count] = fine, sums->of_coarse[sums->count++] = coarse;
+    add_taps(list, at->u, at->v, level, at->inside, at->edges, fine);
+    if (coarse) add_taps(list, at->u, at->v, level + vi_set(1), at->inside, at->edges, coarse);
+}
+
+/* One place, in the middle. */
+DAFT_INLINE void add_one(const daft_texture_data *t, const texture_lanes *at, daft_texture_filter filter, vbits some,
+                         tap_list *list, tap_sums *sums)
+{
+    const tap_levels levels = choose_levels(t, side_of(at, t, filter), filter);
+    add_place(list, sums, at, levels.fine, some, some & vbits_from_mask(vf_lt(vf_set(0), levels.blend)));
+    sums->fine = vf_set(1) - levels.blend, sums->coarse = levels.blend;
+}
+
+DAFT_INLINE void add_along(const daft_texture_data *t, const texture_lanes *at, daft_texture_filter filter, vbits some,
+                           tap_list *list, tap_sums *sums)
+{
+    const texture_line line = line_of(at, t, filter);
+    const tap_levels levels = choose_levels(t, line.side, filter);
+    const vbits both = vbits_from_mask(vf_lt(vf_set(0), levels.blend));
+    const vf half = vf_set(0.5f);
+    for (int k = 0; some; k++) {
+        const vf along = (vf_set((float)k) + half) * line.share - half;
+        texture_lanes tap = *at;
+        tap.free_u += line.u * along, tap.free_v += line.v * along;
+        put_inside(&tap);
+        add_place(list, sums, &tap, levels.fine, some, some & both);
+        some &= vbits_from_mask(vf_lt(vf_set((float)k + 1.5f), line.count));
+    }
+    sums->fine = (vf_set(1) - levels.blend) * line.share, sums->coarse = levels.blend * line.share;
+}
+
+/* Adds the taps of the lanes in `some`, which all have this texture. */
+DAFT_INLINE void add_points(const daft_texture_data *t, const texture_lanes *at, daft_texture_filter filter, vbits some,
+                            tap_list *list, tap_sums *sums)
+{
+    sums->first = list->count, sums->count = 0;
+    (TEXTURES_ALONG ? add_along : add_one)(t, at, filter, some, list, sums);
+}
+
+/* The mean of the points' taps. */
+DAFT_INLINE vf sum_taps(const tap_sums *sums, const float *color, float unit)
+{
+    const float *from = color + sums->first;
+    vf fine = vf_set(0), coarse = vf_set(0);
+    for (uint32_t k = 0; k < sums->count; k++) {
+        fine += vf_load_expand(from, sums->of_fine[k]), from += __builtin_popcount(sums->of_fine[k]);
+        if (!sums->of_coarse[k]) continue;
+        coarse += vf_load_expand(from, sums->of_coarse[k]), from += __builtin_popcount(sums->of_coarse[k]);
+    }
+    return (fine * sums->fine + coarse * sums->coarse) * vf_set(unit);
+}
+
+#define UNIT (1.0f / 65535) /* of colours in a list: 65535 of them are 1 */
+
+DAFT_INLINE vf3 sum_colors(const tap_list *list, const tap_sums *sums, float unit)
+{
+    return (vf3){sum_taps(sums, list->word[0], unit), sum_taps(sums, list->word[1], unit),
+                 sum_taps(sums, list->word[2], unit)};
+}
+
+DAFT_INLINE vf3 choose_colors(vm mask, vf3 a, vf3 b)
+{
+    return (vf3){vf_if_then_else(mask, a.x, b.x), vf_if_then_else(mask, a.y, b.y), vf_if_then_else(mask, a.z, b.z)};
+}
+
 /* What DAFT_VL points have of their textures; of those without one *out stays as it is. */
 DAFT_INLINE void sample_lanes(const texture_lanes *at, vi texture, vbits left, const daft_texture_data *textures,
                               daft_texture_filter filter, bool linear, vf3 *color, vf *alpha)
 {
+    const texture_use use = {.linear = linear, .nearest = filter == DAFT_TEXTURE_NEAREST, .edges = at->edges};
+    const float unit = linear ? 1 : UNIT;
+    tap_list list;
     while (left) {
         const int32_t number = texture[__builtin_ctz(left)];
         const daft_texture_data *t = &textures[number];
         const vbits same = left & vbits_from_mask(vi_eq(texture, vi_set(number)));
-        texture_points p = {.u = at->u, .v = at->v, .inside = at->inside};
-        p.color = (vf3){vf_set(0), vf_set(0), vf_set(0)}, p.alpha = vf_set(0);
-        const texture_use use = {.linear = linear, .nearest = filter == DAFT_TEXTURE_NEAREST, .edges = at->edges};
-        if (TEXTURES_ALONG)
-            sample_along(t, at, filter, same, use, &p);
-        else
-            sample(t, vf_log2(vf_max(side_of(at, t, filter), vf_set(1e-20f))), filter, same, use, &p);
         const vm mask = vm_from_bits(same);
-        *color = (vf3){vf_if_then_else(mask, p.color.x, color->x), vf_if_then_else(mask, p.color.y, color->y),
-                       vf_if_then_else(mask, p.color.z, color->z)};
-        if (linear) *alpha = vf_if_then_else(mask, p.alpha, *alpha);
+        texture_levels levels;
+        tap_sums sums;
+        list.count = 0;
+        list_levels(t, &levels);
+        add_points(t, at, filter, same, &list, &sums);
+        read_taps(&list, &levels, use);
+        *color = choose_colors(mask, sum_colors(&list, &sums, unit), *color);
+        if (linear) *alpha = vf_if_then_else(mask, sum_taps(&sums, list.word[3], unit), *alpha);
         left &= ~same;
     }
 }
@@ -292,30 +248,90 @@ DAFT_INLINE vbits with_texture(const daft_batch *batch, vi texture, uint32_t i)
            ~vbits_from_mask(vi_eq(texture, vi_set((int32_t)DAFT_NO_TEXTURE)));
 }
 
+/* ---- a batch's colours ---- */
+
+enum { BLOCKS = 16 }; /* of DAFT_VL points whose taps are in the list at once */
+
+/* One texture of a batch at work. */
+typedef struct texture_job {
+    daft_batch *batch;
+    const daft_texture_data *texture;
+    texture_levels levels;
+    texture_use use;
+    uint32_t count; /* blocks that wait for their colours */
+    uint32_t at[BLOCKS];
+    vbits lanes[BLOCKS];
+    tap_sums sums[BLOCKS];
+    tap_list list;
+} texture_job;
+
+static void finish_blocks(texture_job *job)
+{
+    daft_lanes3 *albedo = &job->batch->albedo;
+    const bool colors = job->batch->traits & DAFT_TRAIT_COLORS;
+    read_taps(&job->list, &job->levels, job->use);
+    for (uint32_t k = 0; k < job->count; k++) {
+        const vf3 found = sum_colors(&job->list, &job->sums[k], UNIT), own = lanes_load(albedo, job->at[k]);
+        const vf3 color = colors ? (vf3){found.x * own.x, found.y * own.y, found.z * own.z} : found;
+        lanes_store(albedo, job->at[k], choose_colors(vm_from_bits(job->lanes[k]), color, own));
+    }
+    job->count = 0, job->list.count = 0;
+}
+
+/* Points i.. of the batch, those in `lanes`. */
+DAFT_INLINE void add_block(texture_job *job, const daft_surface *materials, daft_texture_filter filter, uint32_t i,
+                           vbits lanes)
+{
+    const material_reader m = read_some_materials(job->batch, materials, i, lanes);
+    const texture_lanes at = lanes_of(job->batch, &m, i);
+    const uint32_t most = 2 * DAFT_VL * most_taps(filter);
+    if (job->count == BLOCKS || job->list.count + most > TAPS || at.edges != job->use.edges) finish_blocks(job);
+    job->use.edges = at.edges;
+    job->at[job->count] = i, job->lanes[job->count] = lanes;
+    add_points(job->texture, &at, filter, lanes, &job->list, &job->sums[job->count++]);
+}
+
+/* Which texture each point has, and white for all unless they have colours of their own. The first point with a
+ * texture, or the batch's count. */
+DAFT_INLINE uint32_t list_textures(daft_batch *batch, const daft_surface *materials, int32_t *texture)
+{
+    const vf one = vf_set(1);
+    uint32_t first = batch->count;
+    for (uint32_t i = 0; i < batch->count; i += DAFT_VL) {
+        const material_reader m = read_materials(batch, materials, i);
+        const vi of = (vi)MATERIAL_WORD(&m, texture);
+        const vbits some = with_texture(batch, of, i);
+        vi_store(&texture[i], vi_if_then_else(vm_from_bits(some), of, vi_set((int32_t)DAFT_NO_TEXTURE)));
+        if (some && first == batch->count) first = i + (uint32_t)__builtin_ctz(some);
+        if (!(batch->traits & DAFT_TRAIT_COLORS)) lanes_store(&batch->albedo, i, (vf3){one, one, one});
+    }
+    return first;
+}
+
 bool TEXTURES(daft_albedo)(daft_batch *batch, const daft_surface *materials, const daft_texture_data *textures,
                            daft_texture_filter filter)
 {
     if (!TEXTURES_ALONG && daft_filter_is_anisotropic(filter))
         return DAFT_KERNEL(daft_albedo_along)(batch, materials, textures, filter);
-    const vf one = vf_set(1);
-    const bool colors = batch->traits & DAFT_TRAIT_COLORS;
-    bool any = false;
-    for (uint32_t i = 0; i < batch->count; i += DAFT_VL) {
-        const material_reader m = read_materials(batch, materials, i);
-        const vi texture = (vi)MATERIAL_WORD(&m, texture);
-        const vbits some = with_texture(batch, texture, i);
-        vf3 albedo = {one, one, one};
-        vf unused = one;
-        if (some) {
-            const texture_lanes at = lanes_of(batch, &m, i);
-            sample_lanes(&at, texture, some, textures, filter, false, &albedo, &unused);
-            any = true;
+    int32_t texture[DAFT_BATCH_ROOM];
+    texture_job job;
+    uint32_t first = list_textures(batch, materials, texture);
+    const bool any = first < batch->count;
+    job.batch = batch, job.count = 0, job.list.count = 0;
+    job.use = (texture_use){.nearest = filter == DAFT_TEXTURE_NEAREST};
+    while (first < batch->count) {
+        const vi number = vi_set(texture[first]), none = vi_set((int32_t)DAFT_NO_TEXTURE);
+        uint32_t next = batch->count;
+        job.texture = &textures[texture[first]];
+        list_levels(job.texture, &job.levels);
+        for (uint32_t i = first / DAFT_VL * DAFT_VL; i < batch->count; i += DAFT_VL) {
+            const vi of = vi_load(&texture[i]), left = vi_if_then_else(vi_eq(of, number), none, of);
+            const vbits same = vbits_from_mask(vi_eq(of, number)), others = vbits_from_mask(vm_not(vi_eq(left, none)));
+            if (same) vi_store(&texture[i], left), add_block(&job, materials, filter, i, same);
+            if (others && next == batch->count) next = i + (uint32_t)__builtin_ctz(others);
         }
-        if (colors) {
-            const vf3 own = lanes_load(&batch->albedo, i);
-            albedo = (vf3){albedo.x * own.x, albedo.y * own.y, albedo.z * own.z};
-        }
-        lanes_store(&batch->albedo, i, albedo);
+        finish_blocks(&job);
+        first = next;
     }
     return any;
 }

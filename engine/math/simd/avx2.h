@@ -79,6 +79,25 @@ DAFT_INLINE vi vi_gather_index(const void *base, vi index)
 {
     return (vi)_mm256_i32gather_epi32((const int *)base, (__m256i)index, 4);
 }
+/* By pairs, which halves the loads. In each block of four lanes `low` has lanes 0 and 1, `high` 2 and 3. */
+DAFT_INLINE void vi_gather_pairs(const void *base, const int32_t *index, vi *first, vi *second)
+{
+    const int32_t *const from = base;
+    const __m256 low = _mm256_set_m128(v4_load_pairs(from + index[4], from + index[5]),
+                                       v4_load_pairs(from + index[0], from + index[1]));
+    const __m256 high = _mm256_set_m128(v4_load_pairs(from + index[6], from + index[7]),
+                                        v4_load_pairs(from + index[2], from + index[3]));
+    *first = (vi)_mm256_shuffle_ps(low, high, 0x88), *second = (vi)_mm256_shuffle_ps(low, high, 0xdd);
+}
+DAFT_INLINE void vf_table_lookup_bytes(const uint16_t table[257], const vi words[2], vf first[3], vf second[3])
+{
+    const vi byte = vi_set(255), half = vi_set(0xffff);
+    for (int k = 0; k < 3; k++) {
+        const __m256i a = (__m256i)(words[0] >> 8 * k & byte), b = (__m256i)(words[1] >> 8 * k & byte);
+        first[k] = vf_convert_to((vi)_mm256_i32gather_epi32((const int *)(const void *)table, a, 2) & half);
+        second[k] = vf_convert_to((vi)_mm256_i32gather_epi32((const int *)(const void *)table, b, 2) & half);
+    }
+}
 DAFT_INLINE vf vf_table_lookup(const float table[DAFT_VL], vi index)
 {
     return (vf)_mm256_permutevar8x32_ps(_mm256_loadu_ps(table), (__m256i)index);
@@ -93,10 +112,6 @@ DAFT_INLINE vf vf_table_lookup32(const float table[32], vi index)
 {
     __m256 low = (__m256)vf_table_lookup16(table, index), high = (__m256)vf_table_lookup16(table + 16, index);
     return (vf)_mm256_blendv_ps(low, high, (__m256)(index << 27)); /* by bit 4, as the sign */
-}
-DAFT_INLINE vf vf_table_lookup256(const float table[256], vi index)
-{
-    return vf_gather_index(table, index & vi_set(255));
 }
 
 /* clang-format off */
@@ -119,6 +134,18 @@ DAFT_INLINE void vf_compress_store(float *out, vbits lanes, vf v)
 {
     __m256i from = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128((int64_t)DAFT_LANES_SIDE_BY_SIDE[lanes]));
     _mm256_storeu_ps(out, _mm256_permutevar8x32_ps((__m256)v, from));
+}
+/* The rank of each lane of the mask: how many of the mask are up to it, less one. */
+DAFT_INLINE vf vf_load_expand(const float *p, vbits lanes)
+{
+    const __m256i bit = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128), one = _mm256_set1_epi32(1);
+    const __m256i mask = _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32((int)lanes), bit), bit);
+    __m256i rank = _mm256_and_si256(mask, one);
+    rank = _mm256_add_epi32(rank, _mm256_slli_si256(rank, 4));
+    rank = _mm256_add_epi32(rank, _mm256_slli_si256(rank, 8));
+    const __m256i low = _mm256_set1_epi32(__builtin_popcount(lanes & 15));
+    rank = _mm256_sub_epi32(_mm256_add_epi32(rank, _mm256_blend_epi32(_mm256_setzero_si256(), low, 0xf0)), one);
+    return (vf)_mm256_and_ps((__m256)mask, _mm256_permutevar8x32_ps(_mm256_loadu_ps(p), rank));
 }
 
 #define DAFT_NATIVE_BLOCKS

@@ -52,6 +52,46 @@ DAFT_INLINE vi vi_gather_index(const void *base, vi index)
 {
     return (vi)_mm512_i32gather_epi32((__m512i)index, base, 4);
 }
+/* By pairs, which halves the loads. In each block of four lanes `low` has lanes 0 and 1, `high` 2 and 3. */
+DAFT_INLINE void vi_gather_pairs(const void *base, const int32_t *index, vi *first, vi *second)
+{
+    const int32_t *const from = base;
+    __m512 low = _mm512_castps128_ps512(v4_load_pairs(from + index[0], from + index[1])),
+           high = _mm512_castps128_ps512(v4_load_pairs(from + index[2], from + index[3]));
+    low = _mm512_insertf32x4(low, v4_load_pairs(from + index[4], from + index[5]), 1);
+    high = _mm512_insertf32x4(high, v4_load_pairs(from + index[6], from + index[7]), 1);
+    low = _mm512_insertf32x4(low, v4_load_pairs(from + index[8], from + index[9]), 2);
+    high = _mm512_insertf32x4(high, v4_load_pairs(from + index[10], from + index[11]), 2);
+    low = _mm512_insertf32x4(low, v4_load_pairs(from + index[12], from + index[13]), 3);
+    high = _mm512_insertf32x4(high, v4_load_pairs(from + index[14], from + index[15]), 3);
+    *first = (vi)_mm512_shuffle_ps(low, high, 0x88), *second = (vi)_mm512_shuffle_ps(low, high, 0xdd);
+}
+/* Of 32 bytes, one in each 16 bits, which may have another above it. */
+DAFT_INLINE __m512i v32_table_lookup256(const uint16_t table[256], __m512i index)
+{
+    const __mmask32 bit6 = _mm512_test_epi16_mask(index, _mm512_set1_epi16(64)),
+                    bit7 = _mm512_test_epi16_mask(index, _mm512_set1_epi16(128));
+    __m512i part[4];
+    for (int i = 0; i < 4; i++)
+        part[i] = _mm512_permutex2var_epi16(_mm512_loadu_si512(table + 64 * i), index,
+                                            _mm512_loadu_si512(table + 64 * i + 32));
+    return _mm512_mask_blend_epi16(bit7, _mm512_mask_blend_epi16(bit6, part[0], part[1]),
+                                   _mm512_mask_blend_epi16(bit6, part[2], part[3]));
+}
+/* The second bytes of both words share one look-up. */
+DAFT_INLINE void vf_table_lookup_bytes(const uint16_t table[257], const vi words[2], vf first[3], vf second[3])
+{
+    const __m512i a = (__m512i)words[0], b = (__m512i)words[1], low = _mm512_set1_epi32(0xffff);
+    const __m512i outer[2] = {v32_table_lookup256(table, a), v32_table_lookup256(table, b)};
+    const __m512i inner = v32_table_lookup256(
+        table, _mm512_mask_blend_epi16(0xaaaaaaaa, _mm512_srli_epi32(a, 8), _mm512_slli_epi32(b, 8)));
+    first[0] = vf_convert_to((vi)_mm512_and_si512(outer[0], low));
+    first[1] = vf_convert_to((vi)_mm512_and_si512(inner, low));
+    first[2] = vf_convert_to((vi)_mm512_srli_epi32(outer[0], 16));
+    second[0] = vf_convert_to((vi)_mm512_and_si512(outer[1], low));
+    second[1] = vf_convert_to((vi)_mm512_srli_epi32(inner, 16));
+    second[2] = vf_convert_to((vi)_mm512_srli_epi32(outer[1], 16));
+}
 DAFT_INLINE vf vf_table_lookup16(const float table[16], vi index)
 {
     return (vf)_mm512_permutexvar_ps((__m512i)index, _mm512_loadu_ps(table));
@@ -61,30 +101,16 @@ DAFT_INLINE vf vf_table_lookup32(const float table[32], vi index)
 {
     return (vf)_mm512_permutex2var_ps(_mm512_loadu_ps(table), (__m512i)index, _mm512_loadu_ps(table + 16));
 }
-DAFT_INLINE __m512 vf_table_lookup64(const float *table, vi index, __mmask16 upper)
-{
-    return _mm512_mask_blend_ps(upper, (__m512)vf_table_lookup32(table, index),
-                                (__m512)vf_table_lookup32(table + 32, index));
-}
-/* Eight permutations take a third of the time of sixteen loads. */
-DAFT_INLINE vf vf_table_lookup256(const float table[256], vi index)
-{
-    const __m512i i = (__m512i)index;
-    const __mmask16 bit5 = _mm512_test_epi32_mask(i, _mm512_set1_epi32(32)),
-                    bit6 = _mm512_test_epi32_mask(i, _mm512_set1_epi32(64)),
-                    bit7 = _mm512_test_epi32_mask(i, _mm512_set1_epi32(128));
-    const __m512 low =
-        _mm512_mask_blend_ps(bit6, vf_table_lookup64(table, index, bit5), vf_table_lookup64(table + 64, index, bit5));
-    const __m512 high = _mm512_mask_blend_ps(bit6, vf_table_lookup64(table + 128, index, bit5),
-                                             vf_table_lookup64(table + 192, index, bit5));
-    return (vf)_mm512_mask_blend_ps(bit7, low, high);
-}
 /* Lanes' numbers are compressed, once for all that one mask is used for: a permutation is quicker than a compression.
  */
 DAFT_INLINE void vf_compress_store(float *out, vbits lanes, vf v)
 {
     const __m512i number = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
     _mm512_storeu_ps(out, _mm512_permutexvar_ps(_mm512_maskz_compress_epi32((__mmask16)lanes, number), (__m512)v));
+}
+DAFT_INLINE vf vf_load_expand(const float *p, vbits lanes)
+{
+    return (vf)_mm512_maskz_expand_ps((__mmask16)lanes, _mm512_loadu_ps(p));
 }
 
 #define DAFT_NATIVE_BLOCKS

@@ -129,15 +129,21 @@ DAFT_INLINE vd vd_max(vd a, vd b);              /* Max: a > b ? a : b, so b wher
 /* Lanes from memory, by number */
 DAFT_INLINE vf vf_gather_index(const float *base, vi index); /* GatherIndex: base[index[i]] */
 DAFT_INLINE vi vi_gather_index(const void *base, vi index);
+/* The same of two neighbours, by numbers in memory: *first has base[index[i]], *second base[index[i] + 1]. */
+DAFT_INLINE void vi_gather_pairs(const void *base, const int32_t *index, vi *first, vi *second);
 DAFT_INLINE vf vf_table_lookup(const float table[DAFT_VL], vi index); /* TableLookupLanes: table[index[i] & (DAFT_VL -
                                                                          1)] */
 DAFT_INLINE vf vf_table_lookup16(const float table[16], vi index);    /* the same of sixteen: table[index[i] & 15] */
 DAFT_INLINE vf vf_table_lookup32(const float table[32], vi index);    /* of 32: table[index[i] & 31] */
-DAFT_INLINE vf vf_table_lookup256(const float table[256], vi index);  /* of 256: table[index[i] & 255] */
+/* The three lower bytes of two words: first[k][i] = table[words[0][i] >> 8·k & 255], second[k][i] the same of words[1].
+ * table[256] is read, but counts for nothing. */
+DAFT_INLINE void vf_table_lookup_bytes(const uint16_t table[257], const vi words[2], vf first[3], vf second[3]);
 DAFT_INLINE void vf_compress_store(float *out, vbits lanes, vf v); /* CompressStore: the lanes of a mask side by side;
                                                                     * further floats up to out[DAFT_VL - 1] may be
                                                                     * overwritten. No bit beyond DAFT_ALL_LANES is set.
                                                                     */
+/* LoadExpand: floats side by side into the lanes of a mask, 0 into the others; floats up to p[DAFT_VL - 1] are read. */
+DAFT_INLINE vf vf_load_expand(const float *p, vbits lanes);
 
 /* Blocks of four lanes */
 DAFT_INLINE vf vf_gather_blocks(const float *const from[DAFT_VL / 4]);  /* block k from from[k] on */

@@ -98,22 +98,39 @@ DAFT_INLINE vi vi_gather_index(const void *base, vi index)
     EACH_LANE v[i] = ((const int32_t *)base)[index[i]];
     return v;
 }
+DAFT_INLINE void vi_gather_pairs(const void *base, const int32_t *index, vi *first, vi *second)
+{
+    const int32_t *const from = base;
+    vi a, b;
+    EACH_LANE a[i] = from[index[i]], b[i] = from[index[i] + 1];
+    *first = a, *second = b;
+}
+DAFT_INLINE void vf_table_lookup_bytes(const uint16_t table[257], const vi words[2], vf first[3], vf second[3])
+{
+    for (int k = 0; k < 3; k++) {
+        vf a, b;
+        EACH_LANE a[i] = (float)table[words[0][i] >> 8 * k & 255], b[i] = (float)table[words[1][i] >> 8 * k & 255];
+        first[k] = a, second[k] = b;
+    }
+}
 DAFT_INLINE vf vf_table_lookup(const float table[DAFT_VL], vi index)
 {
     return vf_gather_index(table, index & vi_set(DAFT_VL - 1));
 }
 DAFT_INLINE vf vf_table_lookup16(const float table[16], vi index) { return vf_gather_index(table, index & vi_set(15)); }
 DAFT_INLINE vf vf_table_lookup32(const float table[32], vi index) { return vf_gather_index(table, index & vi_set(31)); }
-DAFT_INLINE vf vf_table_lookup256(const float table[256], vi index)
-{
-    return vf_gather_index(table, index & vi_set(255));
-}
 /* Without a branch, which would often be guessed wrong. */
 DAFT_INLINE void vf_compress_store(float *out, vbits lanes, vf v)
 {
     float all[DAFT_VL];
     vf_store(all, v);
     EACH_LANE *out = all[i], out += lanes >> i & 1;
+}
+DAFT_INLINE vf vf_load_expand(const float *p, vbits lanes)
+{
+    vf v;
+    EACH_LANE v[i] = lanes >> i & 1 ? *p : 0, p += lanes >> i & 1;
+    return v;
 }
 #endif
 

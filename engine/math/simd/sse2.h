@@ -32,6 +32,13 @@ DAFT_INLINE void v4_transpose3(v4 a, v4 b, v4 c, v4 *x, v4 *y, v4 *z)
     *y = (v4)_mm_shuffle_ps(low, (__m128)c, _MM_SHUFFLE(1, 1, 3, 2));
     *z = (v4)_mm_shuffle_ps(high, (__m128)c, _MM_SHUFFLE(2, 2, 1, 0));
 }
+/* Two words at a, then two at b. */
+DAFT_INLINE __m128 v4_load_pairs(const int32_t *a, const int32_t *b)
+{
+    double low, high;
+    memcpy(&low, a, 8), memcpy(&high, b, 8);
+    return _mm_castpd_ps(_mm_setr_pd(low, high));
+}
 
 #define DAFT_NATIVE_BYTES
 DAFT_INLINE uint32_t vu8_nondigits_16(const char *p)

@@ -80,7 +80,24 @@ OP(vi_gather_index) { vi_store(out->i, vi_gather_index(in->rows[0], I & vi_set(1
 OP(vf_table_lookup) { vf_store(out->f, vf_table_lookup(in->a, I)); }
 OP(vf_table_lookup16) { vf_store(out->f, vf_table_lookup16(in->a, I)); }
 OP(vf_table_lookup32) { vf_store(out->f, vf_table_lookup32(in->table, I)); }
-OP(vf_table_lookup256) { vf_store(out->f, vf_table_lookup256(in->table, I)); }
+OP(vi_gather_pairs)
+{
+    int32_t index[DAFT_VL];
+    vi first, second;
+    vi_store(index, I & vi_set(127));
+    vi_gather_pairs(in->rows[0], index, &first, &second);
+    vi_store(out->i, first), vi_store(out->i + DAFT_VL, second);
+}
+OP(vf_table_lookup_bytes)
+{
+    vf first[3], second[3];
+    vf_table_lookup_bytes(in->words, (const vi[2]){I, J}, first, second);
+    for (int k = 0; k < 3; k++) {
+        vf_store(out->f + k * DAFT_VL, first[k]);
+        vf_store(out->f + (3 + k) * DAFT_VL, second[k]);
+    }
+}
+OP(vf_load_expand) { vf_store(out->f, vf_load_expand(in->a, in->bits & DAFT_ALL_LANES)); }
 OP(vf_compress_store)
 {
     float all[2 * DAFT_VL];

@@ -17,6 +17,7 @@ typedef struct simd_in {
     int32_t i[16], j[16], m[16]; /* m: 0 or -1 */
     double d[16], e[16];         /* any bits */
     float table[256];            /* any bits */
+    uint16_t words[257];
     uint8_t bytes[64];
     char text[64];
     uint32_t bits; /* any */
@@ -47,7 +48,8 @@ typedef union simd_out {
     X(vf_column, 'b') X(vf_row, 'b') X(vf3_dot, 'f')                                                                           \
     X(vd_promote_half, 'd') X(vf_demote2, 'f') X(vd_sqrt, 'd') X(vd_max, 'b') X(vd_abs, 'b') X(vd_step, 'b')                   \
                                                                                                  \
-    X(vf_gather_index, 'b') X(vi_gather_index, 'b') X(vf_table_lookup, 'b') X(vf_table_lookup16, 'b') X(vf_table_lookup32, 'b') X(vf_table_lookup256, 'b')       \
+    X(vf_gather_index, 'b') X(vi_gather_index, 'b') X(vf_table_lookup, 'b') X(vf_table_lookup16, 'b') X(vf_table_lookup32, 'b')       \
+    X(vi_gather_pairs, 'b') X(vf_table_lookup_bytes, 'b') X(vf_load_expand, 'b')                                             \
     X(vf_compress_store, 'b') X(vi_compress_store, 'b')                                           \
     X(vf_gather_blocks, 'b') X(vf_scatter_blocks, 'b') X(vf_load_blocks, 'b') X(vf_store_blocks, 'b') X(vf_load_blocks_at, 'b') \
     X(vf_load_block_pairs_at, 'b') X(vf_load_eights, 'b') X(vf_transpose4, 'b') X(vf_gather_rows4, 'b') X(vf_gather_rows8, 'b') \

@@ -142,6 +142,7 @@ static void choose(simd_in *in)
         in->bytes[i] = (uint8_t)random64(), in->text[i] = (char)(random64() % 2 ? '0' + random64() % 10 : random64());
     for (int i = 0; i < 8 * SIMD_ROWS; i++) in->rows[i / 8][i % 8] = random_any();
     for (int i = 0; i < 256; i++) in->table[i] = random_any();
+    for (int i = 0; i < 257; i++) in->words[i] = (uint16_t)(i * 40503 + 77);
     in->bits = (uint32_t)random64(), in->n = (int)(random64() % 21);
     choose_rows(in);
 }
@@ -239,7 +240,21 @@ TWIN(vi_gather_index) { LANES out->f[i] = row_at(in, in->i[i] & 127); }
 TWIN(vf_table_lookup) { LANES out->f[i] = in->a[in->i[i] & (in->lanes - 1)]; }
 TWIN(vf_table_lookup16) { LANES out->f[i] = in->a[in->i[i] & 15]; }
 TWIN(vf_table_lookup32) { LANES out->f[i] = in->table[in->i[i] & 31]; }
-TWIN(vf_table_lookup256) { LANES out->f[i] = in->table[in->i[i] & 255]; }
+TWIN(vi_gather_pairs)
+{
+    LANES out->f[i] = row_at(in, in->i[i] & 127), out->f[in->lanes + i] = row_at(in, (in->i[i] & 127) + 1);
+}
+TWIN(vf_table_lookup_bytes)
+{
+    for (int k = 0; k < 3; k++)
+        LANES out->f[k * in->lanes + i] = in->words[in->i[i] >> 8 * k & 255],
+                                     out->f[(3 + k) * in->lanes + i] = in->words[in->j[i] >> 8 * k & 255];
+}
+TWIN(vf_load_expand)
+{
+    int count = 0;
+    LANES out->f[i] = in->bits >> i & 1 ? in->a[count++] : 0;
+}
 TWIN(vf_compress_store)
 {
     int count = 0;

@@ -43,6 +43,7 @@ static void srgb_table(void **unused)
 {
     (void)unused;
     for (int i = 0; i < 256; i++) assert_true(SRGB_TO_LINEAR[i] == daft_srgb_to_linear((float)i / 255));
+    for (int i = 0; i < 256; i++) assert_true(SRGB_TO_LINEAR_16[i] == lrintf(SRGB_TO_LINEAR[i] * 65535));
 }
 
 /* Bytes that go in as light come out again. */
@@ -166,19 +167,18 @@ static double trilinear(const daft_texture_data *t, double u, double v, double s
     return between(bilinear(t, fine, u, v, channel), bilinear(t, coarse, u, v, channel), blend);
 }
 
-/* Anywhere, across all seams, in all levels, neighbours in one row or far apart. */
-static void texture_twin(void **unused)
+/* Anywhere, across all seams, in all levels, neighbours in one row or far apart; the same bits on all targets. */
+static void compare_with_twin(int w, int h)
 {
-    (void)unused;
-    enum { W = 37, H = 20 };
     const daft_allocator allocator = daft_malloc_allocator();
     uint32_t state = 7;
-    uint8_t rgba[4 * W * H];
-    for (size_t i = 0; i < sizeof rgba; i++) rgba[i] = (uint8_t)((state = state * 1664525u + 1013904223u) >> 24);
+    uint8_t rgba[4 * 37 * 20];
+    for (int i = 0; i < 4 * w * h; i++) rgba[i] = (uint8_t)((state = state * 1664525u + 1013904223u) >> 24);
     daft_texture_data texture;
-    assert_true(daft_texture_build(&allocator, rgba, W, H, &texture, NULL));
+    assert_true(daft_texture_build(&allocator, rgba, w, h, &texture, NULL));
     const daft_surface material = {.texture = 0, .map_scale = {1, 1}};
     daft_batch *b = calloc(1, sizeof *b);
+    daft_lanes3 *plain = calloc(1, sizeof *plain);
     b->count = DAFT_BATCH, b->one_material = true;
     for (int i = 0; i < DAFT_BATCH; i++) {
         const float far = (float)((state = state * 1664525u + 1013904223u) >> 8) * 0x1p-24f;
@@ -187,16 +187,68 @@ static void texture_twin(void **unused)
     }
     for (int isa = 0; isa <= daft_isa_best(); isa++) {
         assert_true(daft_shade_kernels_for(isa)->albedo(b, &material, &texture, DAFT_TEXTURE_TRILINEAR));
-        const float *const got[3] = {b->albedo.x, b->albedo.y, b->albedo.z};
+        if (isa == 0) *plain = b->albedo;
+        const float *const got[3] = {b->albedo.x, b->albedo.y, b->albedo.z}, *const first[3] = {plain->x, plain->y,
+                                                                                                plain->z};
         for (int i = 0; i < DAFT_BATCH; i++)
             for (int k = 0; k < 3; k++) {
                 const double want =
-                    trilinear(&texture, (double)b->u[i], (double)b->v[i], (double)b->footprint[i] * sqrt(W * H), k);
+                    trilinear(&texture, (double)b->u[i], (double)b->v[i], (double)b->footprint[i] * sqrt(w * h), k);
                 assert_true(fabs((double)got[k][i] - want) < 2e-5);
+                assert_true(got[k][i] == first[k][i]);
             }
     }
-    free(b);
+    free(plain), free(b);
     daft_texture_free(&allocator, &texture);
+}
+
+/* Also rows of a single texel, which have none beside it, and textures of a single level. */
+static void texture_twin(void **unused)
+{
+    (void)unused;
+    static const int SIZES[][2] = {{37, 20}, {1, 1}, {2, 1}, {1, 2}, {2, 2}, {1, 20}, {37, 1}, {3, 3}};
+    for (size_t i = 0; i < DAFT_COUNT_OF(SIZES); i++) compare_with_twin(SIZES[i][0], SIZES[i][1]);
+}
+
+/* Points of a batch that have several textures, of several materials, or none: each has what it would have alone. White
+ * texels are white. */
+static void textures_in_one_batch(void **unused)
+{
+    (void)unused;
+    enum { TEXTURES = 3, MATERIALS = 5, SIDE = 8 };
+    const daft_allocator allocator = daft_malloc_allocator();
+    daft_texture_data textures[TEXTURES];
+    uint32_t state = 5;
+    for (int t = 0; t < TEXTURES; t++) {
+        uint8_t rgba[4 * SIDE * SIDE];
+        for (size_t i = 0; i < sizeof rgba; i++)
+            rgba[i] = t == 0 ? 255 : (uint8_t)((state = state * 1664525u + 1013904223u) >> 24);
+        assert_true(daft_texture_build(&allocator, rgba, SIDE, SIDE, &textures[t], NULL));
+    }
+    const daft_surface materials[MATERIALS] = {{.texture = 0, .map_scale = {1, 1}},
+                                               {.texture = 1, .map_scale = {1, 1}, .wrap = DAFT_WRAP_MIRROR},
+                                               {.texture = DAFT_NO_TEXTURE},
+                                               {.texture = 1, .map_scale = {3, 2}, .map_offset = {0.3f, 0.1f}},
+                                               {.texture = 2, .map_scale = {1, 1}, .wrap = DAFT_WRAP_CLAMP}};
+    daft_batch *b = batch_make(DAFT_BATCH - 3), *one = batch_make(1);
+    for (uint32_t i = 0; i < b->count; i++) {
+        b->material[i] = (state = state * 1664525u + 1013904223u) >> 16 & 4 ? i / 50 % MATERIALS : state >> 20 & 3;
+        b->u[i] = (float)(i * 37 % 101) / 40, b->v[i] = (float)(i * 11 % 97) / 30 - 1,
+        b->footprint[i] = exp2f((float)(i % 40) / 5) / 40;
+    }
+    for (int isa = 0; isa <= daft_isa_best(); isa++) {
+        const daft_shade_kernels *kernels = daft_shade_kernels_for(isa);
+        assert_true(kernels->albedo(b, materials, textures, DAFT_TEXTURE_TRILINEAR));
+        for (uint32_t i = 0; i < b->count; i++) {
+            one->u[0] = b->u[i], one->v[0] = b->v[i], one->footprint[0] = b->footprint[i];
+            one->material[0] = b->material[i];
+            kernels->albedo(one, materials, textures, DAFT_TEXTURE_TRILINEAR);
+            assert_true(b->albedo.x[i] == one->albedo.x[0] && b->albedo.y[i] == one->albedo.y[0]);
+            if (b->material[i] == 0 || b->material[i] == 2) assert_true(b->albedo.z[i] == 1);
+        }
+    }
+    for (int t = 0; t < TEXTURES; t++) daft_texture_free(&allocator, &textures[t]);
+    free(one), free(b);
 }
 
 /* Samples along the major axis of an ellipse with these conjugate diameters: their combination by an angle's cosine and
@@ -341,10 +393,15 @@ static void sky_image(void **unused)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(lane_functions),    cmocka_unit_test(srgb_table),
-                                       cmocka_unit_test(encode_round_trip), cmocka_unit_test(encode_near_thresholds),
-                                       cmocka_unit_test(texture_sampling),  cmocka_unit_test(texture_twin),
-                                       cmocka_unit_test(anisotropic_twin),  cmocka_unit_test(sky_image),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(lane_functions),
+                                       cmocka_unit_test(srgb_table),
+                                       cmocka_unit_test(encode_round_trip),
+                                       cmocka_unit_test(encode_near_thresholds),
+                                       cmocka_unit_test(texture_sampling),
+                                       cmocka_unit_test(texture_twin),
+                                       cmocka_unit_test(textures_in_one_batch),
+                                       cmocka_unit_test(anisotropic_twin),
+                                       cmocka_unit_test(sky_image),
                                        cmocka_unit_test(sky_twin)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
