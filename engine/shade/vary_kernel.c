@@ -22,8 +22,24 @@ typedef struct place {
     const daft_texture_data *textures;
     daft_texture_filter filter;
     const daft_vary_def *def;
+    uint32_t maps; /* bits: those that some point's material has */
     uint32_t i;
 } place;
+
+/* Neighbours mostly share a material. */
+static uint32_t maps_of(const daft_batch *batch, const daft_surface *materials)
+{
+    uint32_t maps = 0, last = UINT32_MAX;
+    if (!(batch->traits & DAFT_TRAIT_MAPS)) return 0;
+    for (uint32_t i = 0; i < batch->count; i++) {
+        if (batch->material[i] == last) continue;
+        last = batch->material[i];
+        for (int k = 0; k < DAFT_MAPS; k++) maps |= (materials[last].maps[k] != DAFT_NO_TEXTURE ? 1u : 0u) << k;
+    }
+    return maps;
+}
+
+static bool has_map(const place *p, uint32_t map) { return p->maps >> map & 1; }
 
 DAFT_INLINE vf3 times3(vf3 a, vf3 b) { return (vf3){a.x * b.x, a.y * b.y, a.z * b.z}; }
 DAFT_INLINE vf3 scaled3(vf3 a, vf s) { return (vf3){a.x * s, a.y * s, a.z * s}; }
@@ -42,7 +58,7 @@ static vf3 map_of(const place *p, uint32_t map, bool linear, vf *alpha)
 {
     vf3 color = grey(vf_set(1));
     vf unused = vf_set(1);
-    if (p->batch->traits & DAFT_TRAIT_MAPS) DAFT_KERNEL(daft_map_color)
+    if (has_map(p, map)) DAFT_KERNEL(daft_map_color)
     (p->batch, p->materials, p->textures, p->filter, map, linear, p->i, &color, alpha ? alpha : &unused);
     return color;
 }
@@ -55,14 +71,15 @@ static void slopes_at(const place *p, const material_reader *m, vf *along_u, vf 
     const vf one = vf_set(1), half = vf_set(0.5f);
     vf3 n = {half, half, one}; /* of a flat place */
     vf unused = one, u = vf_set(0), v = u;
-    DAFT_KERNEL(daft_map_color)
+    if (has_map(p, DAFT_MAP_NORMAL)) DAFT_KERNEL(daft_map_color)
     (p->batch, p->materials, p->textures, p->filter, DAFT_MAP_NORMAL, true, p->i, &n, &unused);
     n = (vf3){n.x * vf_set(2) - one, n.y * vf_set(2) - one, n.z * vf_set(2) - one};
     /* 128 stands for 0: what is within half a step is flat */
     n.x = vf_if_then_else(vf_lt(vf_abs(n.x), vf_set(0.005f)), vf_set(0), n.x);
     n.y = vf_if_then_else(vf_lt(vf_abs(n.y), vf_set(0.005f)), vf_set(0), n.y);
     const vf up = vf_max(n.z, vf_set(0.01f)), strength = MATERIAL_WORD(m, normal_strength);
-    DAFT_KERNEL(daft_map_slopes)(p->batch, p->materials, p->textures, p->filter, p->i, &u, &v);
+    if (has_map(p, DAFT_MAP_BUMP)) DAFT_KERNEL(daft_map_slopes)
+    (p->batch, p->materials, p->textures, p->filter, p->i, &u, &v);
     const vf bump = MATERIAL_WORD(m, bump_strength);
     *along_u = n.x / up * strength - u * bump;
     *along_v = n.y / up * strength - v * bump;
@@ -151,7 +168,7 @@ static void make_phong(const place *p, const material_reader *m)
         batch->traits & (DAFT_TRAIT_TEXTURE | DAFT_TRAIT_COLORS) ? lanes_load(&batch->albedo, i) : grey(vf_set(1));
     vf3 ambient = albedo;
     vf unused = vf_set(1);
-    if (batch->traits & DAFT_TRAIT_MAPS) DAFT_KERNEL(daft_map_color)
+    if (has_map(p, DAFT_MAP_AMBIENT)) DAFT_KERNEL(daft_map_color)
     (batch, p->materials, p->textures, p->filter, DAFT_MAP_AMBIENT, false, i, &ambient, &unused);
     lanes_store(&v->ambient, i, times3(MATERIAL_COLOR(m, ambient), ambient));
     lanes_store(&v->diffuse, i, times3(MATERIAL_COLOR(m, diffuse), albedo));
@@ -241,7 +258,7 @@ static void make_opacity(const place *p, const material_reader *m)
 void DAFT_KERNEL(daft_vary)(daft_batch *batch, const daft_surface *materials, const daft_texture_data *textures,
                             daft_texture_filter filter, const daft_vary_def *def)
 {
-    place p = {batch, materials, textures, filter, def, 0};
+    place p = {batch, materials, textures, filter, def, maps_of(batch, materials), 0};
     for (; p.i < batch->count; p.i += DAFT_VL) {
         const material_reader m = read_materials(batch, materials, p.i);
         if (batch->traits & DAFT_TRAIT_TANGENT) turn_normals(&p, &m);
