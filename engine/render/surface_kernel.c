@@ -424,11 +424,14 @@ DAFT_INLINE void store_footprint(const window *r, sort s, const meeting *m, acro
     const vf3 unit = unit3(r->direction);
     const vf3 first = onto_surface(a.first, m->outward, unit), second = onto_surface(a.second, m->outward, unit);
     const vm sphere = vi_eq(m->word & vi_set(FACET_SPHERE), vi_set(FACET_SPHERE));
-    const gradients facet = facet_gradients(r, s, m->outward), ball = sphere_gradients(r, s, m->point);
-    const vf3 u = select3(sphere, ball.u, facet.u), v = select3(sphere, ball.v, facet.v);
+    gradients along = facet_gradients(r, s, m->outward);
+    if (vbits_from_mask(sphere)) {
+        const gradients ball = sphere_gradients(r, s, m->point);
+        along = (gradients){select3(sphere, ball.u, along.u), select3(sphere, ball.v, along.v)};
+    }
     daft_footprints *out = b->footprints;
-    vf_store(&out->first_u[at], vf3_dot(first, u)), vf_store(&out->first_v[at], vf3_dot(first, v));
-    vf_store(&out->second_u[at], vf3_dot(second, u)), vf_store(&out->second_v[at], vf3_dot(second, v));
+    vf_store(&out->first_u[at], vf3_dot(first, along.u)), vf_store(&out->first_v[at], vf3_dot(first, along.v));
+    vf_store(&out->second_u[at], vf3_dot(second, along.u)), vf_store(&out->second_v[at], vf3_dot(second, along.v));
 }
 
 /* Not part of the functions that call them: only one filter asks. */

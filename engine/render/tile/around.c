@@ -57,9 +57,11 @@ void daft_tile_keep_own(tile_job *j)
         j->r->shade->encode(b->albedo.x, b->albedo.y, b->albedo.z, b->count, (uint8_t *)words);
     else
         memset(words, 0xff, b->count * sizeof *words);
-    for (uint32_t i = 0; i < b->count; i++)
-        own[b->pixel[i] / DAFT_TILE * width + b->pixel[i] % DAFT_TILE] =
-            (words[i] & 0xffffff) | kind_of(&j->snapshot->materials[b->material[i]]) << 24;
+    uint32_t last = UINT32_MAX, kind = 0; /* neighbours mostly share a material */
+    for (uint32_t i = 0; i < b->count; i++) {
+        if (b->material[i] != last) last = b->material[i], kind = kind_of(&j->snapshot->materials[last]) << 24;
+        own[b->pixel[i] / DAFT_TILE * width + b->pixel[i] % DAFT_TILE] = (words[i] & 0xffffff) | kind;
+    }
     book(j, DAFT_EFFECT_ANTIALIASING);
 }
 
