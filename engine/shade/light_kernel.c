@@ -227,6 +227,41 @@ static __attribute__((noinline)) vf3 area_light(const daft_batch *batch, const m
     return (vf3){sum.x + highlight.x, sum.y + highlight.y, sum.z + highlight.z};
 }
 
+/* Lanes of points that send on nothing of a light, since their surface has no colour of its own and their highlight is
+ * elsewhere. */
+DAFT_INLINE vbits dark(const daft_batch *batch, const daft_surface *materials, const daft_light_source *source,
+                       uint32_t i, bool varies)
+{
+    const vf zero = vf_set(0), cosine = vf_load(&batch->cosine[i]);
+    const daft_varying *v = batch->varying;
+    const material_reader m = read_materials(batch, materials, i);
+    const vf3 diffuse = varies ? lanes_load(&v->diffuse, i) : MATERIAL_COLOR(&m, diffuse);
+    const vf gloss = varies ? vf_load(&v->gloss[i]) : MATERIAL_WORD(&m, shininess);
+    vm none = vf_le(vf_max(vf_max(diffuse.x, diffuse.y), diffuse.z), zero);
+    if (varies) none = vm_and(none, vf_le(zero, gloss));
+    if (!vbits_from_mask(none)) return 0;
+    if (!varies && !(batch->traits & DAFT_TRAIT_SPECULAR)) return vbits_from_mask(none);
+    vf3 sum = {zero, zero, zero};
+    const vf3 specular = varies ? lanes_load(&v->specular, i) : MATERIAL_COLOR(&m, specular);
+    add_highlight_of(batch, specular, gloss, i, direction_to(batch, source, i), cosine, &sum);
+    return vbits_from_mask(vm_and(none, vf_le(vf_max(vf_max(sum.x, sum.y), sum.z), zero)));
+}
+
+static uint32_t skip_dark(const daft_batch *batch, const daft_surface *materials, const daft_light_source *source,
+                          uint32_t lit[DAFT_BATCH_WORDS])
+{
+    const bool varies = batch->traits & DAFT_TRAIT_VARIES;
+    uint32_t some = 0;
+    for (uint32_t i = 0; i < batch->count; i += DAFT_VL) {
+        const vbits bits = bits_at(lit, i);
+        if (!bits) continue;
+        const vbits left = bits & ~dark(batch, materials, source, i, varies);
+        lit[i / 32] &= ~((uint32_t)(bits & ~left) << (i % 32));
+        some += (uint32_t)__builtin_popcount(left);
+    }
+    return some;
+}
+
 static void direct_light(daft_batch *batch, const daft_surface *materials, const daft_light_source *source,
                          const uint32_t lit[DAFT_BATCH_WORDS], const daft_lanes3 *arriving, const daft_ambient *first)
 {
@@ -321,6 +356,7 @@ const daft_shade_kernels DAFT_KERNEL(daft_shade) = {
     .ambient = ambient,
     .extent = extent,
     .facing = facing,
+    .skip_dark = skip_dark,
     .direct_light = direct_light,
     .sky = DAFT_KERNEL(daft_sky_color),
     .fog = DAFT_KERNEL(daft_fog_way),

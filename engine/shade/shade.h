@@ -254,6 +254,10 @@ typedef struct daft_shade_kernels {
     /* Sets the bits of the points that face the light (their normal's side, inside its range and a spot's cone) and
      * gives their number. Sets all points' `cosine`. */
     uint32_t (*facing)(daft_batch *batch, const daft_light_source *source, uint32_t bits[DAFT_BATCH_WORDS]);
+    /* Clears the bits of points that send on nothing of the light that `facing` was called for last, which is no area:
+     * their colour is black, and their highlight elsewhere, as nearly all of a glass. Gives how many are left. */
+    uint32_t (*skip_dark)(const daft_batch *batch, const daft_surface *materials, const daft_light_source *source,
+                          uint32_t lit[DAFT_BATCH_WORDS]);
     /* Adds Lambert and Phong of the light that `facing` was called for last, to the points whose bits are set.
      * `arriving`: the fraction of its light that reaches each point, by colour; NULL: all of it. `first`: the ambient
      * light, for the first light of a batch; does what `ambient` does before it adds; NULL: for later ones. */

@@ -144,6 +144,12 @@ static void read_maps(tile_job *j, daft_batch *points, int depth)
     book(j, textured ? DAFT_EFFECT_TEXTURE : DAFT_EFFECT_SURFACE);
 }
 
+/* Whether to look first which points send on some of a light: what does nearly always sends rays on. */
+static bool asks_shadows(const tile_job *j, const daft_batch *points, const daft_light_source *light)
+{
+    return points->traits & DAFT_TRAIT_SENDS && light->casts_shadow && j->frame->plan.shadows && !light->area;
+}
+
 /* Points `depth` surfaces away: those of 0 are seen by pixels themselves, and their sampled light may be filtered. */
 static void light_points(tile_job *j, daft_batch *points, int depth)
 {
@@ -168,6 +174,8 @@ static void light_points(tile_job *j, daft_batch *points, int depth)
         if (j->r->shade->facing(points, light, j->s->lit) == 0) continue;
         if (light->bounded && !skip_own(j, points, light, &glow)) continue;
         daft_tile_skip_holes(points, j->s->lit);
+        if (asks_shadows(j, points, light) && !j->r->shade->skip_dark(points, snapshot->materials, light, j->s->lit))
+            continue;
         ran(j, DAFT_EFFECT_LIGHTING);
         book(j, DAFT_EFFECT_LIGHTING);
         const bool soft = is_soft(j, light);

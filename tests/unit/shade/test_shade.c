@@ -212,6 +212,47 @@ static void texture_twin(void **unused)
 
 /* Points of a batch that have several textures, of several materials, or none: each has what it would have alone. White
  * texels are white. */
+/* Points that are skipped have nothing of the light; black ones that are kept have some of it. */
+static void dark_points(void **unused)
+{
+    (void)unused;
+    enum { MATERIALS = 4 };
+    const daft_surface materials[MATERIALS] = {
+        {.texture = DAFT_NO_TEXTURE, .specular = {0.5f, 0.25f, 0}, .shininess = 900},
+        {.texture = DAFT_NO_TEXTURE, .diffuse = {0, 0.01f, 0}},
+        {.texture = DAFT_NO_TEXTURE},
+        {.texture = DAFT_NO_TEXTURE, .specular = {0, 0, 1}, .shininess = 4}};
+    const daft_light_source light = {.position = {1, 5, 0}, .color = {1, 1, 1}};
+    const daft_vec3 up = {0, 1, 0};
+    daft_batch *b = batch_make(DAFT_BATCH - 3);
+    b->traits = DAFT_TRAIT_SPECULAR | DAFT_TRAIT_SENDS;
+    for (uint32_t i = 0; i < b->count; i++) {
+        const daft_vec3 view = daft_normalize(daft_v3((float)(i % 23) - 11, 8, (float)(i % 31) - 15));
+        b->material[i] = i % 7 % MATERIALS;
+        b->point.x[i] = (float)(i % 41) - 20, b->point.z[i] = (float)(i % 37) - 18;
+        b->normal.x[i] = up.x, b->normal.y[i] = up.y, b->normal.z[i] = up.z;
+        b->view.x[i] = view.x, b->view.y[i] = view.y, b->view.z[i] = view.z;
+        b->albedo.x[i] = b->albedo.y[i] = b->albedo.z[i] = 1;
+    }
+    for (int isa = 0; isa <= daft_isa_best(); isa++) {
+        const daft_shade_kernels *kernels = daft_shade_kernels_for(isa);
+        uint32_t all[DAFT_BATCH_WORDS], some[DAFT_BATCH_WORDS], skipped[MATERIALS] = {0}, kept[MATERIALS] = {0};
+        assert_int_equal(kernels->facing(b, &light, all), b->count);
+        memcpy(some, all, sizeof some);
+        const uint32_t left = kernels->skip_dark(b, materials, &light, some);
+        memset(&b->light, 0, sizeof b->light);
+        kernels->direct_light(b, materials, &light, all, NULL, NULL);
+        for (uint32_t i = 0; i < b->count; i++) {
+            const bool lit = some[i / 32] >> (i % 32) & 1;
+            assert_true(lit == (b->light.x[i] > 0 || b->light.y[i] > 0 || b->light.z[i] > 0));
+            (lit ? kept : skipped)[b->material[i]]++;
+        }
+        assert_int_equal(left, kept[0] + kept[1] + kept[2] + kept[3]);
+        assert_true(kept[0] > 0 && skipped[0] > kept[0] && skipped[1] == 0 && kept[2] == 0 && kept[3] > 0);
+    }
+    free(b);
+}
+
 static void textures_in_one_batch(void **unused)
 {
     (void)unused;
@@ -400,6 +441,7 @@ int main(void)
                                        cmocka_unit_test(texture_sampling),
                                        cmocka_unit_test(texture_twin),
                                        cmocka_unit_test(textures_in_one_batch),
+                                       cmocka_unit_test(dark_points),
                                        cmocka_unit_test(anisotropic_twin),
                                        cmocka_unit_test(sky_image),
                                        cmocka_unit_test(sky_twin)};
