@@ -785,43 +785,6 @@ static void kept_pictures_follow(void **unused)
     stage_drop(s);
 }
 
-/* ---- definitions ---- */
-
-static void definitions_are_checked(void **unused)
-{
-    (void)unused;
-    stage *s = stage_make(8, 8, NULL, 1);
-    static const struct {
-        float distance;
-        int priority;
-        const char *says;
-    } bad[] = {{-1, 0, "tint_distance is -1"},
-               {NAN, 0, "tint_distance is"},
-               {0, 256, "medium_priority is 256"},
-               {0, -1, "medium_priority is -1"}};
-    for (size_t i = 0; i < DAFT_COUNT_OF(bad); i++) {
-        daft_material_def def = daft_default_material_def();
-        daft_error error = {0};
-        def.tint_distance = bad[i].distance, def.medium_priority = bad[i].priority;
-        assert_false(daft_material_create(s->scene, &def, &error).id);
-        if (!strstr(error.message, bad[i].says)) fail_msg("%s", error.message);
-    }
-    stage_drop(s);
-}
-
-static void mtl_says_it(void **unused)
-{
-    (void)unused;
-    static const char text[] = "newmtl wine\nTf 0.7 0.1 0.2\ntint_distance 0.02\nmedium_priority 3\nillum 7\n";
-    daft_mtl_list list = {0};
-    daft_error error = {0};
-    const daft_allocator allocator = daft_malloc_allocator();
-    if (!daft_mtl_parse(&allocator, NULL, "wine.mtl", text, sizeof text - 1, NULL, &list, &error))
-        fail_msg("%s", error.message);
-    assert_true(list.count == 1 && list.items[0].tint_distance == 0.02f && list.items[0].priority == 3);
-    daft_mtl_list_free(&allocator, &list);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -838,8 +801,6 @@ int main(void)
         cmocka_unit_test(no_light_is_made),
         cmocka_unit_test(the_same_however_computed),
         cmocka_unit_test(kept_pictures_follow),
-        cmocka_unit_test(definitions_are_checked),
-        cmocka_unit_test(mtl_says_it),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

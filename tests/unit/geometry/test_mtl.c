@@ -334,6 +334,14 @@ static void damaged_files_never_crash(void **unused)
     }
 }
 
+static void media(void **unused)
+{
+    (void)unused;
+    const daft_mtl *m = read_text("newmtl wine\nTf 0.7 0.1 0.2\ntint_distance 0.02\nmedium_priority 3\nillum 7\n");
+    assert_true(list.count == 1 && m->tint_distance == 0.02f && m->priority == 3);
+    done();
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -349,6 +357,7 @@ int main(void)
         cmocka_unit_test(bad_lines_are_left_out),
         cmocka_unit_test(comments_alone_are_no_material),
         cmocka_unit_test(a_failure_keeps_the_list),
+        cmocka_unit_test(media),
         cmocka_unit_test(hard_files),
         cmocka_unit_test(damaged_files_never_crash),
     };

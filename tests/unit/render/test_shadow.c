@@ -137,6 +137,14 @@ static void compare(const stage *s, const daft_batch *b, const daft_light_source
     }
 }
 
+/* Few points differ from their ray, all at edges. */
+static void check(const tally *sum)
+{
+    print_message("%d pencils: %d lit, %d dark, %d at an edge\n", sum->pencils, sum->lit, sum->dark, sum->edge);
+    assert_true(sum->pencils > 10 && sum->lit > 1000 && sum->dark > 1000);
+    assert_true(sum->edge * 2000 < sum->lit + sum->dark);
+}
+
 static void run_with(uint32_t count, float size, bool sun, float light_distance, float patch)
 {
     daft_batch *b = calloc(1, sizeof *b);
@@ -153,9 +161,7 @@ static void run_with(uint32_t count, float size, bool sun, float light_distance,
         }
         stage_drop(&s);
     }
-    print_message("%d pencils: %d lit, %d dark, %d at an edge\n", sum.pencils, sum.lit, sum.dark, sum.edge);
-    assert_true(sum.pencils > 10 && sum.lit > 1000 && sum.dark > 1000);
-    assert_true(sum.edge * 2000 < sum.lit + sum.dark);
+    check(&sum);
     free(b);
 }
 
@@ -190,9 +196,7 @@ static void run_areas(daft_area area, bool bounded, uint32_t count, float size, 
         }
         stage_drop(&s);
     }
-    print_message("%d pencils: %d lit, %d dark, %d at an edge\n", sum.pencils, sum.lit, sum.dark, sum.edge);
-    assert_true(sum.lit > 1000 && sum.dark > 1000);
-    assert_true(sum.edge * 2000 < sum.lit + sum.dark);
+    check(&sum);
     free(b);
 }
 
@@ -262,9 +266,7 @@ static void points_on_surfaces(void **unused)
         }
         stage_drop(&s);
     }
-    print_message("%d pencils: %d lit, %d dark, %d at an edge\n", sum.pencils, sum.lit, sum.dark, sum.edge);
-    assert_true(sum.lit > 1000 && sum.dark > 1000);
-    assert_true(sum.edge * 2000 < sum.lit + sum.dark);
+    check(&sum);
     free(b);
 }
 

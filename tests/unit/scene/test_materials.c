@@ -1,4 +1,5 @@
-/* Materials as pictures: maps, vertex colours, opacity, physically based shading, each against something obvious. */
+/* Materials as pictures: maps, vertex colours, opacity, physically based shading, each against something obvious;
+ * media that there are none of. */
 #include "scene/scene.h"
 #include "support_content.h"
 
@@ -192,6 +193,28 @@ static void a_normal_map_is_a_turned_plane(void **unused)
     stage_free(&s);
 }
 
+static void media_are_checked(void **unused)
+{
+    (void)unused;
+    stage s = stage_new();
+    static const struct {
+        float distance;
+        int priority;
+        const char *says;
+    } bad[] = {{-1, 0, "tint_distance is -1"},
+               {NAN, 0, "tint_distance is"},
+               {0, 256, "medium_priority is 256"},
+               {0, -1, "medium_priority is -1"}};
+    for (size_t i = 0; i < DAFT_COUNT_OF(bad); i++) {
+        daft_material_def def = daft_default_material_def();
+        daft_error error = {0};
+        def.tint_distance = bad[i].distance, def.medium_priority = bad[i].priority;
+        assert_false(daft_material_create(s.scene, &def, &error).id);
+        assert_contains(error.message, bad[i].says);
+    }
+    stage_free(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -200,6 +223,7 @@ int main(void)
         cmocka_unit_test(layers_blend_in_order),
         cmocka_unit_test(furnace),
         cmocka_unit_test(a_normal_map_is_a_turned_plane),
+        cmocka_unit_test(media_are_checked),
     };
     return cmocka_run_group_tests(tests, make_test_folder, remove_test_folder);
 }
