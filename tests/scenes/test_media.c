@@ -1,47 +1,16 @@
-/* Media: light that is absorbed on its way within a body, by Beer's law and closed forms; bodies that overlap and
- * touch, by their priorities, against a tracer in double that asks the bodies themselves what is where, and carries
- * nothing along. */
-#include "hard_scenes.h"
+/* Media that are seen: light that is absorbed on its way within a body, by Beer's law and closed forms; bodies that
+ * overlap and touch, by their priorities, against a tracer in double that asks the bodies themselves what is where, and
+ * carries nothing along. */
+#include "media_bodies.h"
 
-#include "geometry/mesh.h"
 #include "render/media.h"
 
 #include <math.h>
-
-enum { WIDTH = 160, HEIGHT = 120 };
-
-static const daft_vec3 WHITE = {1, 1, 1}, BLACK = {0, 0, 0};
 
 static int encoded(double linear)
 {
     double e = linear <= 0.0031308 ? 12.92 * linear : 1.055 * pow(linear, 1 / 2.4) - 0.055;
     return (int)floor(255 * fmin(fmax(e, 0), 1) + 0.5);
-}
-
-static daft_material_def medium_def(double index, daft_vec3 tint, double distance, int priority)
-{
-    daft_material_def def = daft_default_material_def();
-    def.specular = BLACK, def.transmission = 1, def.transmission_tint = tint, def.refractive_index = (float)index;
-    def.tint_distance = (float)distance, def.medium_priority = priority;
-    return def;
-}
-
-static daft_material medium(stage *s, double index, daft_vec3 tint, double distance, int priority)
-{
-    const daft_material_def def = medium_def(index, tint, distance, priority);
-    daft_error error = {0};
-    daft_material out = daft_material_create(s->scene, &def, &error);
-    if (!out.id) fail_msg("%s", error.message);
-    return out;
-}
-
-static daft_material glowing(stage *s, daft_vec3 emission)
-{
-    daft_material_def def = daft_default_material_def();
-    def.diffuse = def.ambient = def.specular = BLACK, def.emission = emission;
-    daft_material out = daft_material_create(s->scene, &def, NULL);
-    assert_true(out.id);
-    return out;
 }
 
 /* ---- stacks ---- */
@@ -85,8 +54,6 @@ static void stacks_of_media(void **unused)
 }
 
 /* ---- Beer's law ---- */
-
-static const daft_vec3 TINT = {0.5f, 0.2f, 0.9f};
 
 /* The light of a white sky along a pixel's ray; linear. */
 static void draw_light(stage *s, daft_vec3 *light)
@@ -168,99 +135,6 @@ static void balls_absorb_by_their_chords(void **unused)
 }
 
 /* ---- a tracer in double ---- */
-
-typedef enum kind { BALL, BOX, CUP } kind;
-
-typedef struct body {
-    kind kind;
-    daft_dvec3 low, high; /* a box; a cup's outer one */
-    double wall;          /* a cup's, open above; a ball's radius */
-    int priority;         /* of media, all different; 0: it lets nothing through */
-    double index, distance;
-    daft_vec3 tint; /* or what it glows with */
-} body;
-
-typedef struct world {
-    const body *bodies;
-    int count, mirrors, surfaces;
-} world;
-
-static bool in_box(daft_dvec3 low, daft_dvec3 high, daft_dvec3 p)
-{
-    return p.x > low.x && p.y > low.y && p.z > low.z && p.x < high.x && p.y < high.y && p.z < high.z;
-}
-
-static daft_dvec3 cavity_low(const body *b) { return daft_dadd(b->low, daft_dv3(b->wall, b->wall, b->wall)); }
-static daft_dvec3 cavity_high(const body *b) { return daft_dsub(b->high, daft_dv3(b->wall, 0, b->wall)); }
-
-static bool contains(const body *b, daft_dvec3 p)
-{
-    if (b->kind == BALL) {
-        const daft_dvec3 d = daft_dsub(p, b->low);
-        return daft_ddot(d, d) < b->wall * b->wall;
-    }
-    if (!in_box(b->low, b->high, p)) return false;
-    return b->kind == BOX || !in_box(cavity_low(b), cavity_high(b), p);
-}
-
-/* The body that is there; -1: air. */
-static int body_at(const world *w, daft_dvec3 p, unsigned *mask)
-{
-    int best = -1;
-    *mask = 0;
-    for (int i = 0; i < w->count; i++) {
-        if (!contains(&w->bodies[i], p)) continue;
-        *mask |= 1u << i;
-        const bool opaque = w->bodies[i].priority == 0;
-        if (best < 0 || opaque || (w->bodies[best].priority && w->bodies[i].priority > w->bodies[best].priority))
-            best = i;
-    }
-    return best;
-}
-
-typedef struct surface {
-    double t;
-    daft_dvec3 normal;
-} surface;
-
-enum { MOST = 64 };
-
-static void box_surfaces(daft_dvec3 low, daft_dvec3 high, daft_dvec3 o, daft_dvec3 d, surface *list, int *count)
-{
-    for (int k = 0; k < 6; k++) {
-        const int axis = k / 2;
-        const double plane = k & 1 ? daft_dv3_at(high, axis) : daft_dv3_at(low, axis),
-                     t = (plane - daft_dv3_at(o, axis)) / daft_dv3_at(d, axis);
-        const daft_dvec3 p = daft_dadd(o, daft_dscale(d, t));
-        bool on = t > 1e-7 && isfinite(t);
-        for (int i = 0; i < 3; i++)
-            on &= i == axis || (daft_dv3_at(p, i) >= daft_dv3_at(low, i) && daft_dv3_at(p, i) <= daft_dv3_at(high, i));
-        if (on) list[(*count)++] = (surface){t, daft_dv3(axis == 0, axis == 1, axis == 2)};
-    }
-}
-
-static void body_surfaces(const body *b, daft_dvec3 o, daft_dvec3 d, surface *list, int *count)
-{
-    if (b->kind != BALL) {
-        box_surfaces(b->low, b->high, o, d, list, count);
-        if (b->kind == CUP) box_surfaces(cavity_low(b), cavity_high(b), o, d, list, count);
-        return;
-    }
-    const daft_dvec3 c = daft_dsub(b->low, o);
-    const double along = daft_ddot(c, d), root = along * along - daft_ddot(c, c) + b->wall * b->wall;
-    for (int k = -1; k <= 1 && root >= 0; k += 2) {
-        const double t = along + k * sqrt(root);
-        if (t > 1e-7)
-            list[(*count)++] =
-                (surface){t, daft_dscale(daft_dsub(daft_dadd(o, daft_dscale(d, t)), b->low), 1 / b->wall)};
-    }
-}
-
-static int by_t(const void *a, const void *b)
-{
-    const double s = ((const surface *)a)->t, t = ((const surface *)b)->t;
-    return (s > t) - (s < t);
-}
 
 static const daft_vec3 ZENITH = {0.1f, 0.2f, 0.9f}, HORIZON = {0.9f, 0.8f, 0.4f};
 
@@ -357,65 +231,7 @@ static bool steady_color(const stage *s, const world *w, int x, int y, int color
     return true;
 }
 
-/* ---- bodies in scenes ---- */
-
-static void box_faces(daft_dvec3 low, daft_dvec3 high, bool inwards, bool top, daft_vec3 *p, uint32_t *count)
-{
-    static const int FACES[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
-    for (int f = 0; f < 6; f++) {
-        if (f == 3 && !top) continue;
-        for (int k = 0; k < 4; k++) {
-            const int c = FACES[f][inwards ? 3 - k : k];
-            p[(*count)++] =
-                daft_to_float(daft_dv3(c & 1 ? high.x : low.x, c & 2 ? high.y : low.y, c & 4 ? high.z : low.z));
-        }
-    }
-}
-
-/* Five walls with a rim above: one closed mesh. */
-static daft_mesh cup_mesh(stage *s, const body *b)
-{
-    daft_vec3 p[64];
-    uint32_t index[96], count = 0, triangles = 0;
-    const daft_dvec3 low = cavity_low(b), high = cavity_high(b);
-    box_faces(b->low, b->high, false, false, p, &count);
-    box_faces(low, high, true, false, p, &count);
-    const daft_dvec3 outer[4] = {{b->low.x, b->high.y, b->low.z},
-                                 {b->low.x, b->high.y, b->high.z},
-                                 {b->high.x, b->high.y, b->high.z},
-                                 {b->high.x, b->high.y, b->low.z}},
-                     inner[4] = {{low.x, high.y, low.z},
-                                 {low.x, high.y, high.z},
-                                 {high.x, high.y, high.z},
-                                 {high.x, high.y, low.z}};
-    for (int k = 0; k < 4; k++) {
-        const int n = (k + 1) % 4;
-        const daft_dvec3 rim[4] = {outer[k], outer[n], inner[n], inner[k]};
-        for (int i = 0; i < 4; i++) p[count++] = daft_to_float(rim[i]);
-    }
-    for (uint32_t i = 0; i < count; i += 4) {
-        const uint32_t quad[6] = {i, i + 1, i + 2, i, i + 2, i + 3};
-        memcpy(index + 3 * triangles, quad, sizeof quad), triangles += 2;
-    }
-    daft_mesh_def def = daft_default_mesh_def();
-    def.positions = p, def.vertex_count = count, def.indices = index, def.triangle_count = triangles;
-    daft_mesh out = daft_mesh_create(s->scene, &def, NULL);
-    assert_true(out.id);
-    return out;
-}
-
-static void add_bodies(stage *s, const world *w)
-{
-    for (int i = 0; i < w->count; i++) {
-        const body *b = &w->bodies[i];
-        const daft_material m =
-            b->priority ? medium(s, b->index, b->tint, b->distance, b->priority) : glowing(s, b->tint);
-        const daft_dvec3 middle = daft_dscale(daft_dadd(b->low, b->high), 0.5);
-        if (b->kind == BALL) add(s, sphere(b->low, (float)b->wall, m));
-        if (b->kind == BOX) add(s, box(middle, daft_to_float(daft_dsub(b->high, b->low)), m));
-        if (b->kind == CUP) add(s, instance(cup_mesh(s, b), daft_dv3(0, 0, 0), 1, daft_quat_identity(), m));
-    }
-}
+/* ---- bodies beside the tracer ---- */
 
 static void compare_with_tracer(const world *w, daft_preset preset, daft_camera camera, int most_wrong,
                                 const char *what)
@@ -498,199 +314,6 @@ static void media_touch(void **unused)
     const daft_camera outside = daft_camera_look_at(daft_dv3(0.3, 1.1, 0.9), daft_dv3(3.5, 0.2, 0), 0.6f);
     const daft_camera inside = daft_camera_look_at(daft_dv3(3.3, 0.3, -0.2), daft_dv3(3.7, -0.2, 0.1), 1.3f);
     compare_all(&w, outside, inside, 0, "touching");
-}
-
-/* ---- shadows ---- */
-
-static double fraction(daft_vec3 tint, int k, double lengths) { return pow((double)daft_v3_at(tint, k), lengths); }
-
-static void assert_near(float value, double truth)
-{
-    if (!(fabs((double)value - truth) < 2e-3)) fail_msg("%g, not %g", (double)value, truth);
-}
-
-/* Straight under bodies in the sun's or a lamp's light: what all of the way within leaves. */
-static void shadows_absorb(void **unused)
-{
-    (void)unused;
-    static daft_vec3 light[WIDTH * HEIGHT];
-    for (int by_lamp = 0; by_lamp < 2; by_lamp++) {
-        stage *s = stage_make(WIDTH, HEIGHT, NULL, 2);
-        daft_scene_set_ambient(s->scene, BLACK), daft_scene_set_sky_color(s->scene, BLACK);
-        add(s, box(daft_dv3(0, -0.5, 0), daft_v3(40, 1, 40), matte(s, WHITE, 0)));
-        if (by_lamp)
-            source(s, daft_dv3(0, 9, 0), 1);
-        else
-            sun(s, daft_v3(0, -1, 0), 1);
-        s->view.camera = daft_camera_look_at(daft_dv3(-6, 1.5, 0), daft_dv3(0, 0, 0), 0.05f);
-        s->view.aov.color = light;
-        const daft_vec3 *middle = &light[HEIGHT / 2 * WIDTH + WIDTH / 2];
-        daft_entity ball = add(s, sphere(daft_dv3(0, 4, 0), 0.5f, medium(s, 1.5, TINT, 0.8, 0)));
-        draw(s);
-        for (int k = 0; k < 3; k++) assert_near(daft_v3_at(*middle, k), fraction(TINT, k, 1 / 0.8));
-        /* of two that overlap by 0.5 the higher one counts there, with its other colour */
-        const daft_vec3 other = {0.9f, 0.7f, 0.3f};
-        assert_true(daft_entity_set_material(s->scene, ball, medium(s, 1.5, TINT, 0.8, 1), NULL));
-        add(s, box(daft_dv3(0, 4.5, 0), daft_v3(2, 1, 2), medium(s, 1.5, other, 0.8, 2)));
-        draw(s);
-        for (int k = 0; k < 3; k++)
-            assert_near(daft_v3_at(*middle, k), fraction(TINT, k, 0.5 / 0.8) * fraction(other, k, 1 / 0.8));
-        stage_drop(s);
-    }
-}
-
-static uint64_t random_state;
-
-/* 0..1 */
-static double random_number(void)
-{
-    random_state = random_state * 6364136223846793005u + 1442695040888963407u;
-    return (double)(random_state >> 40) * 0x1p-24;
-}
-
-/* Multiples of an eighth, so that many faces lie in the same place; nothing below y = 1. */
-static double random_eighth(double low, double high) { return low + floor(random_number() * (high - low) * 8) / 8; }
-
-static body random_body(int priority)
-{
-    const daft_dvec3 low = {random_eighth(-2, 1), random_eighth(1, 3), random_eighth(-2, 1)};
-    const daft_dvec3 size = {random_eighth(0.5, 2), random_eighth(0.5, 2), random_eighth(0.5, 2)};
-    const double shares[3] = {random_number(), random_number(), random_number()};
-    body out = {.kind = (kind)(random_number() * 3),
-                .low = low,
-                .high = daft_dadd(low, size),
-                .wall = 0.125,
-                .priority = priority,
-                .index = 1 + random_number(),
-                .distance = 0.5 + random_number(),
-                .tint = daft_to_float(daft_dv3(0.1 + 0.9 * shares[0], 0.1 + 0.9 * shares[1], 0.1 + 0.9 * shares[2]))};
-    if (out.kind == BALL) out.wall = 0.2 + random_number(), out.low.y += 1;
-    return out;
-}
-
-/* What is left of light on its way from p along d, `length` metres long: piece by piece, by asking what is there.
- * False: more bodies overlap than a ray remembers. */
-static bool light_left(const world *w, daft_dvec3 p, daft_dvec3 d, double length, double left[3])
-{
-    surface list[MOST];
-    int count = 0;
-    double from = 0;
-    unsigned mask = 0;
-    for (int i = 0; i < w->count; i++) body_surfaces(&w->bodies[i], p, d, list, &count);
-    qsort(list, (size_t)count, sizeof *list, by_t);
-    left[0] = left[1] = left[2] = 1;
-    for (int i = 0; i <= count; i++) {
-        const double until = fmin(i < count ? list[i].t : length, length);
-        const int at = until > from ? body_at(w, daft_dadd(p, daft_dscale(d, (from + until) / 2)), &mask) : -1;
-        for (int k = 0; k < 3 && at >= 0; k++)
-            left[k] *= fraction(w->bodies[at].tint, k, (until - from) / w->bodies[at].distance);
-        if (__builtin_popcount(mask) > DAFT_MEDIA) return false;
-        from = fmax(from, until);
-    }
-    return true;
-}
-
-/* The light of a floor under bodies that overlap, fill and touch each other, from a lamp, which may be in one, or the
- * sun: the same by every instruction set and any number of threads. */
-static void draw_floor(const world *w, bool by_lamp, daft_dvec3 lamp, int variant, daft_vec3 *light, stage **out)
-{
-    const bool by_isa = variant <= daft_isa_best();
-    stage *s =
-        stage_make(WIDTH, HEIGHT, by_isa ? daft_isa_name(variant) : NULL, by_isa ? 1 : 2 * (variant - daft_isa_best()));
-    daft_scene_set_ambient(s->scene, BLACK), daft_scene_set_sky_color(s->scene, BLACK);
-    add(s, box(daft_dv3(0, -0.5, 0), daft_v3(40, 1, 40), matte(s, WHITE, 0)));
-    add_bodies(s, w);
-    if (by_lamp)
-        source(s, lamp, 1);
-    else
-        sun(s, daft_to_float(daft_dscale(lamp, -1)), 1);
-    s->view.camera = daft_camera_look_at(daft_dv3(-4, 0.9, 0), daft_dv3(-1, 0, 0), 1);
-    s->view.aov.color = light;
-    draw(s);
-    *out = s;
-}
-
-static bool light_at(const world *w, daft_dvec3 p, bool by_lamp, daft_dvec3 lamp, double light[3])
-{
-    const daft_dvec3 to = by_lamp ? daft_dsub(lamp, p) : lamp;
-    const double length = sqrt(daft_ddot(to, to));
-    if (!light_left(w, p, daft_dscale(to, 1 / length), by_lamp ? length : 100, light)) return false;
-    for (int k = 0; k < 3; k++) light[k] *= to.y / length;
-    return true;
-}
-
-/* False: a little aside it is another, as at the rim of a ball, so rounding decides. */
-static bool steady_light(const world *w, daft_dvec3 p, bool by_lamp, daft_dvec3 lamp, double light[3])
-{
-    if (!light_at(w, p, by_lamp, lamp, light)) return false;
-    for (int i = 0; i < 4; i++) {
-        double aside[3];
-        const double by = i & 1 ? 1e-5 : -1e-5;
-        if (!light_at(w, daft_dadd(p, i < 2 ? daft_dv3(by, 0, 0) : daft_dv3(0, 0, by)), by_lamp, lamp, aside))
-            return false;
-        for (int k = 0; k < 3; k++)
-            if (fabs(aside[k] - light[k]) > 2e-4) return false;
-    }
-    return true;
-}
-
-static void compare_floor(const stage *s, const world *w, bool by_lamp, daft_dvec3 lamp, const daft_vec3 *light)
-{
-    int looked = 0;
-    for (int i = 0; i < s->pixels; i++) {
-        const daft_dvec3 ray = pixel_ray(s, i % WIDTH, i / WIDTH), eye = s->view.camera.position;
-        double truth[3];
-        if (!(ray.y < -0.1 * sqrt(daft_ddot(ray, ray)))) continue;
-        if (!steady_light(w, daft_dadd(eye, daft_dscale(ray, eye.y / -ray.y)), by_lamp, lamp, truth)) continue;
-        looked++;
-        for (int k = 0; k < 3; k++)
-            if (!(fabs((double)daft_v3_at(light[i], k) - truth[k]) < 1e-3))
-                fail_msg("pixel %d, %d: %g, not %g", i % WIDTH, i / WIDTH, (double)daft_v3_at(light[i], k), truth[k]);
-    }
-    assert_true(looked > s->pixels / 2);
-}
-
-static void shadows_of_many(void **unused)
-{
-    (void)unused;
-    static daft_vec3 light[WIDTH * HEIGHT], other[WIDTH * HEIGHT];
-    const char *seed = getenv("DAFT_SEED");
-    random_state = seed ? strtoull(seed, NULL, 0) : 18;
-    print_message("seed %llu\n", (unsigned long long)random_state);
-    for (int round = 0; round < 8; round++) {
-        body bodies[7];
-        const world w = {bodies, 4 + round % 4, 0, 0};
-        for (int i = 0; i < w.count; i++) bodies[i] = random_body(1 + (i + round) % w.count);
-        const bool by_lamp = round % 2;
-        const daft_dvec3 lamp = {random_number(), by_lamp ? 2.5 + 2 * random_number() : 2, random_number()};
-        stage *s;
-        draw_floor(&w, by_lamp, lamp, 0, light, &s);
-        compare_floor(s, &w, by_lamp, lamp, light);
-        stage_drop(s);
-        for (int variant = 1; variant <= daft_isa_best() + 2; variant++) {
-            draw_floor(&w, by_lamp, lamp, variant, other, &s);
-            assert_memory_equal(light, other, sizeof light);
-            stage_drop(s);
-        }
-    }
-}
-
-/* On the ground of a lake: what the sun's way down leaves, and the way up to the camera under water. */
-static void lake(void **unused)
-{
-    (void)unused;
-    static daft_vec3 light[WIDTH * HEIGHT];
-    stage *s = stage_make(WIDTH, HEIGHT, NULL, 2);
-    daft_scene_set_ambient(s->scene, BLACK), daft_scene_set_sky_color(s->scene, BLACK);
-    add(s, box(daft_dv3(0, -3, 0), daft_v3(100, 6, 100), medium(s, (double)1.33f, TINT, 4, 0)));
-    add(s, box(daft_dv3(0, -5.5, 0), daft_v3(90, 1, 90), matte(s, WHITE, 0)));
-    sun(s, daft_v3(0, -1, 0), 1);
-    s->view.camera = daft_camera_look_at(daft_dv3(0.5, -2, 0), daft_dv3(0, -5, 0), 0.6f), s->view.aov.color = light;
-    draw(s);
-    const double down = 5, up = sqrt(9.25);
-    const daft_vec3 middle = light[HEIGHT / 2 * WIDTH + WIDTH / 2];
-    for (int k = 0; k < 3; k++) assert_near(daft_v3_at(middle, k), fraction(TINT, k, (down + up) / 4));
-    stage_drop(s);
 }
 
 /* ---- what stays as it is, and what it costs ---- */
@@ -794,9 +417,6 @@ int main(void)
         cmocka_unit_test(balls_overlap),
         cmocka_unit_test(wine_in_a_glass),
         cmocka_unit_test(media_touch),
-        cmocka_unit_test(shadows_absorb),
-        cmocka_unit_test(shadows_of_many),
-        cmocka_unit_test(lake),
         cmocka_unit_test(apart_nothing_changes),
         cmocka_unit_test(no_light_is_made),
         cmocka_unit_test(the_same_however_computed),
