@@ -60,33 +60,30 @@ DAFT_INLINE vbits lit_apart(const pixels *a, const pixels *b, vi most)
     return far;
 }
 
-/* Both have textures, which hide faint edges. Nothing is known of the sky's own colour. */
-DAFT_INLINE vm textured(const pixels *a, const pixels *b)
+/* What both are; matte where they differ, or nothing is known, as of the sky. */
+DAFT_INLINE vi kind_of(const pixels *a, const pixels *b)
 {
-    const vi kind = vi_set((int32_t)DAFT_OWN_TEXTURED << 24), mask = vi_set((int32_t)0xff000000u),
-             sky = vi_set((int32_t)DAFT_ID_SKY);
+    const vi byte = vi_set(255), sky = vi_set((int32_t)DAFT_ID_SKY), kind = a->own >> 24 & byte;
     const vm none = vm_or(vi_eq(a->id, sky), vi_eq(b->id, sky));
-    return vm_and(vm_and(vi_eq(a->own & mask, kind), vi_eq(b->own & mask, kind)), vm_not(none));
+    const vm known = vm_and(vi_lt(kind, vi_set(DAFT_OWN_KINDS)), vi_eq(kind, b->own >> 24 & byte));
+    return vi_if_then_else(vm_and(known, vm_not(none)), kind, vi_set(DAFT_OWN_MATTE));
 }
 
-DAFT_INLINE vi limit_of(const daft_contrast_limits *l, vm same, vm instance)
+DAFT_INLINE vi limit_of(const daft_contrast *limit, vi kind, vm same, vm instance)
 {
-    const vi apart = vi_if_then_else(instance, vi_set(HALVES(l->crease)), vi_set(HALVES(l->outline)));
-    return vi_if_then_else(same, vi_set(HALVES(l->inner)), apart);
+    const vi which = vi_if_then_else(same, vi_set(2), vi_if_then_else(instance, vi_set(1), vi_set(0)));
+    return vi_gather_index(&limit->of[0].outline, kind * vi_set(3) + which);
 }
 
 DAFT_INLINE bits disagree(const pixels *a, const pixels *b, const daft_contrast *limit)
 {
     const vm same = vi_eq(a->id, b->id), instance = vi_eq(a->id >> DAFT_ID_INSTANCE, b->id >> DAFT_ID_INSTANCE);
-    const vm both = textured(a, b);
-    const vi plain = limit_of(&limit->plain, same, instance), more = limit_of(&limit->textured, same, instance),
-             most = vi_if_then_else(both, more, plain);
-    const vbits differ = apart(a, b, most);
+    const vi most = limit_of(limit, kind_of(a, b), same, instance);
+    const vbits differ = apart(a, b, most * vi_set(HALVES(1)));
     if (!differ) return (bits){0, 0, 0, 0};
     const vbits sky = vbits_from_mask(vi_eq(a->id, vi_set((int32_t)DAFT_ID_SKY))), alike = vbits_from_mask(same);
     vbits inner = differ & alike & ~sky;
-    if (inner)
-        inner &= lit_apart(a, b, vi_if_then_else(both, vi_set(limit->textured.inner), vi_set(limit->plain.inner)));
+    if (inner) inner &= lit_apart(a, b, most);
     bits out = {.outline = differ & ~alike, .inner = inner};
     if (inner) out.strong = inner & lit_apart(a, b, vi_set(limit->strong));
     if (out.strong) out.stark = inner & lit_apart(a, b, vi_set(limit->stark));

@@ -10,14 +10,13 @@ enum {
 };
 _Static_assert(RAYS == 16, "a pixel's rays are sixteen bits");
 
-/* Rays that see the same, for each that is shaded: by what that is, and by how much changes. A texture is filtered over
- * the whole pixel already; what is sent on takes longest, but beside outlines changes most: where light is bent, these
- * pixels have most of the error that is left. */
-static const uint8_t SPOKEN[][3] = {
-    [DAFT_OWN_MATTE] = {4, 2, 1}, [DAFT_OWN_TEXTURED] = {RAYS, RAYS, RAYS}, [DAFT_OWN_SENDS] = {4, 2, 2}};
-
-/* The places of a pixel's rays, x + 4·y, such that one after the other lie apart: Bayer's order of dither. */
-static const uint8_t ORDER[RAYS] = {0, 10, 2, 8, 5, 15, 7, 13, 1, 11, 3, 9, 4, 14, 6, 12};
+/* Of all sixteen rays, if these see the same, how many are shaded beside the pixel's first: by what that is, and by how
+ * much changes. A texture is filtered over the whole pixel already; what is sent on takes longest, but beside outlines
+ * changes most: where light is bent, these pixels have most of the error that is left. */
+static const uint8_t SHADED[DAFT_OWN_KINDS][3] = {[DAFT_OWN_MATTE] = {4, 8, 16},
+                                                  [DAFT_OWN_TEXTURED] = {0, 0, 0},
+                                                  [DAFT_OWN_MIRRORS] = {4, 8, 12},
+                                                  [DAFT_OWN_PASSES] = {4, 6, 8}};
 
 /* What a row of pixels has before it: of each ray what it sees. */
 typedef struct seen_row {
@@ -80,20 +79,15 @@ DAFT_INLINE void shade(taking *t, uint32_t ray, float rays)
     list->pixel[i] = pixel, t->out->wanted[pixel] = t->wanted, t->out->share[i] = rays;
 }
 
-/* Some of the group, which is of a kind, spread over it. */
+/* Some of the group, which is of a kind: the first ones in their order, since these lie round the middle. */
 DAFT_INLINE void take_group(taking *t, const group *g, uint32_t kind, bool has_own)
 {
-    const uint32_t spoken = SPOKEN[kind][t->level];
-    const uint32_t count = (uint32_t)__builtin_popcount(g->rays), some = (count + spoken - 1) / spoken,
-                   fresh = some - has_own;
-    const float share = (float)count / (float)some;
+    const uint32_t count = (uint32_t)__builtin_popcount(g->rays),
+                   due = (count * SHADED[kind][t->level] + RAYS / 2) / RAYS, fresh = due || has_own ? due : 1;
+    const float share = (float)count / (float)(fresh + has_own);
     if (has_own) t->out->own[t->wanted] = share;
-    uint32_t left = g->rays, passed = 0;
-    for (uint32_t i = 0; i < fresh; i++) {
-        const uint32_t next = (i * count + count / 2) / fresh;
-        for (; passed < next; passed++) left &= left - 1;
-        shade(t, ORDER[__builtin_ctz(left)], share);
-    }
+    for (uint32_t i = 0, left = g->rays; i < fresh; i++, left &= left - 1)
+        shade(t, DAFT_EDGE_ORDER[__builtin_ctz(left)], share);
 }
 
 /* The kind of what a group sees, if a pixel beside sees it, too; else the pixel's own. `id`: without `bits` lower bits.
@@ -113,7 +107,7 @@ static void take_outline(taking *t, const seen_row *seen, int x, uint32_t own)
     uint32_t id[RAYS];
     group groups[RAYS];
     int bits = 0;
-    for (int i = 0; i < RAYS; i++) id[i] = seen->id[ORDER[i] / SCALE][SCALE * x + ORDER[i] % SCALE];
+    for (int i = 0; i < RAYS; i++) id[i] = seen->id[DAFT_EDGE_ORDER[i] / SCALE][SCALE * x + DAFT_EDGE_ORDER[i] % SCALE];
     uint32_t count = group_rays(id, groups);
     if (count > TRIANGLES) {
         bits = DAFT_ID_INSTANCE;

@@ -90,10 +90,11 @@ typedef struct daft_spawning {
     const daft_vec2 *turns;            /* unit vectors all round */
 } daft_spawning;
 
+/* Above a surface's own colour, of the surfaces that pixels see: the first of these, from the last one on, that it is.
+ * What mirrors little and has a texture is textured. */
+enum { DAFT_OWN_MATTE, DAFT_OWN_TEXTURED, DAFT_OWN_MIRRORS, DAFT_OWN_PASSES /* light */, DAFT_OWN_KINDS };
 /* A tile's pixels, RGBA, and what they see, and those around it: pixel (x, y) of the tile, -1 to DAFT_TILE, is at
  * 4·(y · stride + x) bytes, its id at y · id_stride + x. */
-/* Above a surface's own colour, of the surfaces that pixels see. */
-enum { DAFT_OWN_MATTE, DAFT_OWN_TEXTURED, DAFT_OWN_SENDS /* mirrors or lets through, without a texture */ };
 typedef struct daft_neighbours {
     const uint8_t *pixel;
     const uint32_t *id;
@@ -131,13 +132,13 @@ typedef struct daft_mixed {
 } daft_mixed;
 
 /* By more than so many steps of a colour's byte, up to 8191, pixels differ: if they see different instances, different
- * triangles of one, or the same; where both have a texture, which hides faint edges, by more. And above which they
+ * triangles of one, or the same; for those of one kind, and for the rest as if they were matte. And above which they
  * differ by much, and by very much: no less. */
 typedef struct daft_contrast_limits {
     int outline, crease, inner;
 } daft_contrast_limits;
 typedef struct daft_contrast {
-    daft_contrast_limits plain, textured;
+    daft_contrast_limits of[DAFT_OWN_KINDS];
     int strong, stark;
 } daft_contrast;
 
@@ -184,13 +185,25 @@ typedef struct daft_seen_list {
  * and a column of its own (daft_pencil.turn). */
 enum { DAFT_EDGE_SCALE = 4, DAFT_EDGE_RAYS = DAFT_EDGE_SCALE * DAFT_EDGE_SCALE };
 #define DAFT_EDGE_TURN 0.25f
-/* The rays, bit x + 4·y, that are shaded of a pixel without an outline, by what it saw first (DAFT_OWN_...) and how
- * much changes there. The error is less there than beside outlines, by far where light is bent. */
-enum { DAFT_EDGE_TWO = 0x4002, DAFT_EDGE_FOUR = 0x4182, DAFT_EDGE_EIGHT = 0xa5a5, DAFT_EDGE_ALL = 0xffff };
-static const uint16_t DAFT_EDGE_INNER[][3] = {
+/* The order in which a pixel's rays, x + 4·y, are shaded, where not all are: in pairs that lie opposite each other, so
+ * that any even number of them has its middle where the pixel has its own. (By Bayer's order eight of sixteen lay to
+ * one side: outlines of glass had a sixth more error.) Two on a diagonal, a rotated grid of four, eight round the
+ * middle, which the pixel's first sample has. */
+static const uint8_t DAFT_EDGE_ORDER[DAFT_EDGE_RAYS] = {1, 14, 7, 8, 2, 13, 4, 11, 0, 15, 3, 12, 5, 10, 6, 9};
+enum {
+    DAFT_EDGE_TWO = 0x4002,
+    DAFT_EDGE_FOUR = 0x4182,
+    DAFT_EDGE_EIGHT = 0x6996,
+    DAFT_EDGE_TWELVE = 0xf99f,
+    DAFT_EDGE_ALL = 0xffff
+};
+/* Those that are shaded of a pixel without an outline, by what it saw first and how much changes there. A texture is
+ * filtered over the whole pixel already. What lets light through sends on several rays where a mirror sends one. */
+static const uint16_t DAFT_EDGE_INNER[DAFT_OWN_KINDS][3] = {
     [DAFT_OWN_MATTE] = {DAFT_EDGE_FOUR, DAFT_EDGE_EIGHT, DAFT_EDGE_ALL},
     [DAFT_OWN_TEXTURED] = {DAFT_EDGE_TWO, DAFT_EDGE_FOUR, DAFT_EDGE_EIGHT},
-    [DAFT_OWN_SENDS] = {DAFT_EDGE_FOUR, DAFT_EDGE_FOUR, DAFT_EDGE_EIGHT},
+    [DAFT_OWN_MIRRORS] = {DAFT_EDGE_FOUR, DAFT_EDGE_EIGHT, DAFT_EDGE_TWELVE},
+    [DAFT_OWN_PASSES] = {DAFT_EDGE_TWO, DAFT_EDGE_FOUR, DAFT_EDGE_EIGHT},
 };
 typedef struct daft_edge_part {
     const daft_tile *rays; /* what they see */

@@ -1,6 +1,7 @@
 /* A tile's pixels with those around it, and a tile at work in a pass over a picture that is drawn. */
 #include "render/tile/tile.h"
 
+#include <math.h>
 #include <string.h>
 
 /* A copy, for a tile at the border of the picture or the band: beyond the picture or
@@ -40,11 +41,16 @@ daft_neighbours daft_tile_neighbours(const tile_job *j)
                              DAFT_TILE + 2, DAFT_TILE + 2};
 }
 
+/* Of white light, what a surface with a texture mirrors before that shows as much as the texture does. */
+#define MIRRORED 0.2f
+
 static uint32_t kind_of(const daft_surface *s)
 {
     const uint32_t traits = daft_surface_traits(s);
-    if (traits & DAFT_TRAIT_TEXTURE) return DAFT_OWN_TEXTURED;
-    return traits & DAFT_TRAIT_SENDS ? DAFT_OWN_SENDS : DAFT_OWN_MATTE;
+    const float most = fmaxf(s->mirror.x, fmaxf(s->mirror.y, s->mirror.z));
+    if (s->transmission > 0) return DAFT_OWN_PASSES;
+    if (traits & DAFT_TRAIT_TEXTURE) return most > MIRRORED ? DAFT_OWN_MIRRORS : DAFT_OWN_TEXTURED;
+    return traits & DAFT_TRAIT_SENDS ? DAFT_OWN_MIRRORS : DAFT_OWN_MATTE;
 }
 
 void daft_tile_keep_own(tile_job *j)

@@ -11,7 +11,7 @@
 #include <string.h>
 
 /* Steps of a byte between neighbours. Textures are filtered already, so that a surface may vary by more. */
-static const daft_contrast LIMIT = {.plain = {.outline = 24, .crease = 48, .inner = 8191}};
+static const daft_contrast LIMIT = {.of = {[DAFT_OWN_MATTE] = {.outline = 24, .crease = 48, .inner = 8191}}};
 
 /* Of whole tiles, and one more for the last tile's right corners. */
 static size_t word_stride(const daft_frame *frame)

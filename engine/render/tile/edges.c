@@ -17,8 +17,10 @@
 
 /* Steps of a byte between neighbours; within a surface of its light alone, since textures are filtered already. */
 static const daft_contrast LIMIT = {
-    .plain = {.outline = 20, .crease = 20, .inner = 14},
-    .textured = {.outline = 48, .crease = 48, .inner = 32},
+    .of = {[DAFT_OWN_MATTE] = {.outline = 20, .crease = 20, .inner = 14},
+           [DAFT_OWN_TEXTURED] = {.outline = 60, .crease = 60, .inner = 24}, /* textures hide faint edges */
+           [DAFT_OWN_MIRRORS] = {.outline = 16, .crease = 16, .inner = 12},
+           [DAFT_OWN_PASSES] = {.outline = 20, .crease = 20, .inner = 14}},
     .strong = 50,
     .stark = 100,
 };

@@ -1,6 +1,6 @@
 /* Rows `antialiasing, NAME`: each scene of assets/scenes, and each game in its demo, at 1280x720: a
  * picture of one sample a pixel and sixteen where it changes from one pixel to the next, beside one of eight samples
- * everywhere: milliseconds, and how far both are from the reference, as `daft cost --quick --settings` measures
+ * everywhere: milliseconds, and how far both are from the reference, as `daft cost --settings` measures
  * them, in turns; a game at two moments. What is sampled otherwise is held fast, since eight samples a pixel ask a lamp
  * or the sky eight times as well, which is another knob's matter, as is the filter of textures.
  *
@@ -50,7 +50,7 @@ static char *run_cost(bench *self, const char *what, int threads)
     size_t size;
     if (!mkdtemp(folder)) return NULL;
     snprintf(command, sizeof command,
-             "cd '%s' && '%s' cost '%s' --quick --settings '" AT_EDGES ";" EVERYWHERE "' --knobs " FIXED
+             "cd '%s' && '%s' cost '%s' --settings '" AT_EDGES ";" EVERYWHERE "' --knobs " FIXED
              " --size 1280x720 --no-pictures --threads %d --isa %s -o %s >/dev/null 2>&1",
              DAFT_ROOT, DAFT_PROGRAM, what, threads, self->isa, folder);
     const bool good = system(command) == 0;
