@@ -64,9 +64,11 @@ typedef struct daft_mask {
     const uint32_t *cells; /* DAFT_MASK_CELLS in a word, the first in its lowest bits; rows from the top. NULL: none, */
     bool even;             /* and all hits let through the same; or nothing is known */
     int columns, rows;
-    float width, height;                        /* of the texture, in texels */
-    float across, down;                         /* and in cells: the last ones may stick out */
-    float slack_u, slack_v;                     /* in widths and heights of the texture */
+    float width, height;    /* of the texture, in texels */
+    float across, down;     /* and in cells: the last ones may stick out */
+    float slack_u, slack_v; /* in widths and heights of the texture */
+    uint32_t map, channel;  /* the texture, as materials number them, and its byte */
+    float cutoff; /* 0..: of the texture's alpha, from where on there is something; 0: it blends, or all is there */
     float scale_u, scale_v, offset_u, offset_v; /* of a mesh's coordinates, whose v goes up */
     uint32_t wrap;                              /* a daft_wrap */
 } daft_mask;

@@ -95,7 +95,7 @@ bool daft_raster_begin(daft_raster *raster, const daft_pencil *pencil, const daf
 {
     raster->pencil = *pencil;
     raster->clip = (daft_clip){0};
-    raster->passes_holes = false;
+    raster->passes_holes = false, raster->textures = NULL;
     raster->instances = instances;
     raster->instance_count = count;
     raster->tiles_x = (pencil->width + DAFT_TILE - 1) / DAFT_TILE;

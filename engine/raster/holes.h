@@ -1,7 +1,8 @@
 /* Places of triangles with alpha in their materials' masks (accel.h), and their holes before the camera: pixels that
  * meet one see what lies behind. Such a place gives a pixel nothing of its own light and all of what is behind; without
- * this a ray would go on from there, to the next hole maybe. What is no sure hole is a hit as any other, and told apart
- * when textures are read. */
+ * this a ray would go on from there, to the next hole maybe. Where the cells do not tell, and the material has a
+ * cutoff, the texture is read as the pixel's filter does (shade/texture_kernel.c), and what surely lies under the
+ * cutoff is passed over, too. What is no sure hole is a hit as any other, and told apart when it is shaded. */
 #ifndef DAFT_HOLES_H
 #define DAFT_HOLES_H
 
@@ -29,6 +30,7 @@ typedef struct daft_hole_view {
     float turn;             /* daft_pencil's */
     float own;              /* the picture's focal length: its own pixels count, of which a part's are fractions */
     float slant;            /* the largest length of a ray, its part forwards being 1 */
+    const daft_texture_data *textures; /* the raster's */
 } daft_hole_view;
 daft_hole_view daft_hole_view_of(const daft_raster *raster, const daft_tile_part *part, const daft_tile *tile);
 
@@ -41,7 +43,18 @@ typedef struct daft_holes {
     float turn;
     float off_s, off_u, off_v;          /* what these are off by */
     float least_s[1 << DAFT_MASK_BITS]; /* by cells: from where on pixels are no larger than these say */
+    /* Texels that a pixel is as large as: area · |d|² / (s² · max(|s| / |d|, grazing)) of the ray d, whose parts are
+     * left + column, top - row and focal. */
+    const daft_texture_data *texture; /* of alpha; NULL: cells alone tell */
+    float area, grazing, left, top, focal2;
 } daft_holes;
+
+/* Seen at less than this cosine, a pixel's patch is as large as at this: as render/surface_kernel.c has it. */
+#define DAFT_HOLE_GRAZING 0.01f
+/* How much alpha must be under the cutoff, beside what coordinates are off by: levels and filters round. */
+#define DAFT_HOLE_MARGIN 0x1p-10f
+/* Texels of the finest level alone are read where a pixel's area is no larger: 2^(1/2). */
+#define DAFT_HOLE_FINEST 1.414f
 
 /* False: it has none, or is too small in the picture to ask. */
 bool daft_holes_make(const daft_hole_view *view, const daft_view_instance *instance, uint32_t triangle,

@@ -9,6 +9,7 @@
 #define DAFT_RASTER_H
 
 #include "base/base.h"
+#include "image/image.h"
 #include "raster/view.h"
 
 #define DAFT_NOTHING UINT32_MAX /* instance of a pixel that sees the sky */
@@ -86,6 +87,9 @@ typedef struct daft_raster {
     /* Texels that a pixel's filter reads are as many each way, and what alpha leaves nothing of is looked through:
      * places of masks that are sure to be holes are passed over. False, unless it is set after daft_raster_begin. */
     bool passes_holes;
+    /* Where that is true, and pixels filter between two levels and take all or nothing of a mask: what cells do not
+     * tell is read from these textures. NULL, unless it is set after daft_raster_begin: cells alone tell. */
+    const daft_texture_data *textures;
     const daft_instance *instances;
     uint32_t instance_count;
     int tiles_x, tiles_y, workers;

@@ -262,6 +262,8 @@ static bool render_sample(daft_frame *frame, daft_counters *counters, daft_error
     daft_plan_narrow(&frame->plan, s, &r->raster);
     r->raster.passes_holes = frame->plan.refracts && !daft_filter_is_anisotropic(frame->texture_filter) &&
                              !daft_filter_is_anisotropic(s->quality.texture_filter);
+    const bool hard = s->quality.samples == 1 && s->quality.edge_samples == 0; /* the outlines of masks: all or none */
+    r->raster.textures = hard && frame->texture_filter == DAFT_TEXTURE_TRILINEAR ? s->textures : NULL;
     if (!prepare_refractions(frame, error) || !prepare_tree(frame, error) || !daft_media_prepare(frame, error) ||
         !daft_mirrors_prepare(frame, error))
         return false;

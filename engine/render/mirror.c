@@ -338,6 +338,7 @@ static bool fill_mirror(daft_renderer *r, const daft_snapshot *snapshot, daft_mi
     }
     if (!daft_raster_begin(&m->raster, &m->pencil, m->instances, m->count, error)) return false;
     m->raster.passes_holes = r->raster.passes_holes;
+    m->raster.textures = r->raster.textures;
     const daft_vec3 *axes = &m->pencil.right;
     daft_vec3 *normal = &m->raster.clip.normal;
     m->raster.clip.some = true, m->raster.clip.away = (float)m->away, m->raster.clip.owner = owner;

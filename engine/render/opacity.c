@@ -354,7 +354,10 @@ static bool mask_make(const daft_allocator *allocator, const daft_trimesh *mesh,
                        .scale_v = m->map_scale.y,
                        .offset_u = m->map_offset.x,
                        .offset_v = m->map_offset.y,
-                       .wrap = m->wrap};
+                       .wrap = m->wrap,
+                       .map = map,
+                       .channel = m->alpha_channel};
+    if (m->cutoff > 0 && m->opacity > 0) out->cutoff = m->cutoff / m->opacity;
     const distances d = {out->columns, out->rows, m->wrap == DAFT_WRAP_REPEAT,
                          daft_alloc(allocator, (size_t)out->columns * (size_t)out->rows, 1)};
     uint32_t *cells = daft_alloc_zero(allocator, words_of(out), sizeof *cells);

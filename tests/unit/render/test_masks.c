@@ -258,6 +258,86 @@ static void all_or_none_without_antialiasing(void **unused)
     stage_free(&s);
 }
 
+/* ---- holes before shading ---- */
+
+/* Spots of all sizes, down to a texel. */
+static daft_texture spots(const stage *s, int width, int height)
+{
+    uint8_t *tga = calloc(1, 18 + 4 * (size_t)(width * height));
+    float wave[6][3];
+    for (int k = 0; k < 6; k++)
+        wave[k][0] = random_float(-0.5f, 0.5f) / (float)(1 << k / 2), wave[k][1] = random_float(-0.5f, 0.5f),
+        wave[k][2] = random_float(0, 6);
+    tga[2] = 2, tga[12] = (uint8_t)width, tga[13] = (uint8_t)(width >> 8);
+    tga[14] = (uint8_t)height, tga[15] = (uint8_t)(height >> 8), tga[16] = 32, tga[17] = 0x28;
+    for (int i = 0; i < width * height; i++) {
+        float a = 0.5f;
+        for (int k = 0; k < 6; k++)
+            a += 0.25f * cosf(wave[k][0] * (float)(i % width) + wave[k][1] * (float)(i / width) + wave[k][2]);
+        tga[18 + 4 * i + 3] = (uint8_t)(255 * fminf(fmaxf(a, 0), 1));
+    }
+    const size_t size = 18 + 4 * (size_t)(width * height);
+    const daft_texture texture = daft_texture_load(s->scene, write_test_file("spots.tga", tga, size), NULL);
+    free(tga);
+    assert_true(texture.id);
+    return texture;
+}
+
+/* Cards near, far and edge-on; their textures held, repeated, mirrored, turned over and moved. */
+static void hang_somewhere(const stage *s, int round)
+{
+    const float depth = round % 3 ? random_float(0.6f, 12) : random_float(12, 60);
+    const daft_dvec3 where = {(double)depth - 4, (double)random_float(-0.2f, 0.2f) * (double)depth, 0};
+    const daft_texture texture = spots(s, 1 + (int)(random_bits() % 300), 1 + (int)(random_bits() % 300));
+    const daft_entity card = hang(s, texture, random_float(0.1f, 0.9f), where, random_rotation());
+    daft_entity_def def;
+    daft_material_def look;
+    assert_true(daft_entity_get(s->scene, card, &def, NULL) && daft_material_get(s->scene, def.material, &look, NULL));
+    look.map_wrap = (uint32_t)round % 3, look.opacity = round % 4 ? 1 : random_float(0.5f, 1);
+    look.map_scale = (daft_vec2){random_float(-3, 3), random_float(-3, 3)};
+    look.map_offset = (daft_vec2){random_float(-2, 2), random_float(-2, 2)};
+    assert_true(daft_material_set(s->scene, def.material, &look, NULL));
+}
+
+/* Whether there are masks, which are told to leave the texture alone. */
+static bool ask_cells_alone(const stage *s)
+{
+    bool some = false;
+    for (uint32_t i = 0; i < s->scene->assets.mesh_slots.count; i++) {
+        daft_mesh_item *item = s->scene->assets.meshes[i];
+        for (daft_opacity_set *o = item ? item->opacity : NULL; o; o = o->next)
+            if (o->masks) o->masks[0].cutoff = 0, some = true;
+    }
+    return some;
+}
+
+/* Layers are told apart before they are shaded, or after, by what `vary` reads: each pixel sees the same. */
+static void holes_are_what_filters_drop(void **unused)
+{
+    (void)unused;
+    static uint8_t passed[4 * PIXELS], shaded[4 * PIXELS];
+    uint64_t before = 0, after = 0; /* paths */
+    for (int round = 0; round < 60; round++) {
+        uint64_t paths[2];
+        bool some = false;
+        for (int by_shading = 0; by_shading < 2; by_shading++) {
+            stage s = stage_new(4);
+            fixture_seed(150 + (uint64_t)round);
+            s.view.quality.edge_samples = 0;
+            hang_somewhere(&s, round);
+            draw(&s, passed); /* makes the mask */
+            if (by_shading) some = ask_cells_alone(&s);
+            daft_scene_set_ambient(s.scene, daft_v3(0.5f, 1, 1));
+            paths[by_shading] = draw(&s, by_shading ? shaded : passed)->refraction_rays;
+            stage_free(&s);
+        }
+        if (memcmp(passed, shaded, sizeof passed) != 0) fail_msg("round %d", round);
+        if (some) before += paths[0], after += paths[1];
+    }
+    print_message("paths: %llu, of %llu\n", (unsigned long long)before, (unsigned long long)after);
+    assert_true(after > 10000 && before < after / 20);
+}
+
 /* ---- determinism ---- */
 
 static void the_same_bytes_everywhere(void **unused)
@@ -300,7 +380,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(coverage_is_the_closed_form), cmocka_unit_test(leaves_far_away_are_as_fat),
-        cmocka_unit_test(layers_cover_in_turn), cmocka_unit_test(all_or_none_without_antialiasing),
-        cmocka_unit_test(the_same_bytes_everywhere)};
+        cmocka_unit_test(layers_cover_in_turn),        cmocka_unit_test(all_or_none_without_antialiasing),
+        cmocka_unit_test(holes_are_what_filters_drop), cmocka_unit_test(the_same_bytes_everywhere)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

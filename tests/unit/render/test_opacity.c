@@ -368,11 +368,12 @@ static void the_same_bytes_everywhere(void **unused)
     assert_true(compared >= 6);
 }
 
-/* All cells are mixed. */
+/* All cells are mixed, and nobody reads the texture to find holes. */
 static void forget_masks(daft_opacity_set *set)
 {
     for (uint32_t i = 0; i < set->slots; i++) {
-        const daft_mask *m = &set->masks[i];
+        daft_mask *m = &set->masks[i];
+        m->cutoff = 0;
         const size_t words = ((size_t)m->columns * (size_t)m->rows + DAFT_MASK_CELLS - 1) / DAFT_MASK_CELLS;
         if (m->cells) memset((void *)(uintptr_t)m->cells, 0, words * sizeof *m->cells);
     }
