@@ -187,7 +187,7 @@ enum { DAFT_EDGE_SCALE = 4, DAFT_EDGE_RAYS = DAFT_EDGE_SCALE * DAFT_EDGE_SCALE }
 #define DAFT_EDGE_TURN 0.25f
 /* The order in which a pixel's rays, x + 4·y, are shaded, where not all are: in pairs that lie opposite each other, so
  * that any even number of them has its middle where the pixel has its own. (By Bayer's order eight of sixteen lay to
- * one side: outlines of glass had a sixth more error.) Two on a diagonal, a rotated grid of four, eight round the
+ * one side: the squared error of glass was a sixth more.) Two on a diagonal, a rotated grid of four, eight round the
  * middle, which the pixel's first sample has. */
 static const uint8_t DAFT_EDGE_ORDER[DAFT_EDGE_RAYS] = {1, 14, 7, 8, 2, 13, 4, 11, 0, 15, 3, 12, 5, 10, 6, 9};
 enum {
