@@ -107,11 +107,10 @@ bool daft_raster_begin(daft_raster *raster, const daft_pencil *pencil, const daf
     return daft_fail_memory(error, "the list of visible instances");
 }
 
-void daft_tile_place(const daft_raster *raster, uint32_t tile, const daft_tile_part *part, daft_tile *out)
+void daft_tile_place(const daft_raster *raster, uint32_t tile, daft_tile *out)
 {
-    const int scale = part ? part->scale : 1, number = part ? part->number : 0;
-    out->x = ((int)(tile % (uint32_t)raster->tiles_x) * scale + number % scale) * DAFT_TILE;
-    out->y = ((int)(tile / (uint32_t)raster->tiles_x) * scale + number / scale) * DAFT_TILE;
-    out->width = daft_min_i(DAFT_TILE, raster->pencil.width * scale - out->x);
-    out->height = daft_min_i(DAFT_TILE, raster->pencil.height * scale - out->y);
+    out->x = (int)(tile % (uint32_t)raster->tiles_x) * DAFT_TILE;
+    out->y = (int)(tile / (uint32_t)raster->tiles_x) * DAFT_TILE;
+    out->width = daft_min_i(DAFT_TILE, raster->pencil.width - out->x);
+    out->height = daft_min_i(DAFT_TILE, raster->pencil.height - out->y);
 }

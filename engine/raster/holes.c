@@ -30,20 +30,21 @@ daft_mask_triangle daft_mask_triangle_of(const daft_mask *m, const daft_trimesh 
     return t;
 }
 
-daft_hole_view daft_hole_view_of(const daft_raster *raster, const daft_tile_part *part, const daft_tile *tile)
+daft_hole_view daft_hole_view_of(const daft_raster *raster, const daft_pencil *pencil, int x, int y, int side)
 {
-    daft_pencil pencil = daft_part_pencil(&raster->pencil, part);
-    const float turn = pencil.turn;
-    pencil.turn = 0;
-    const daft_vec3 first = daft_pencil_ray(&pencil, tile->x, tile->y);
-    const float x = fmaxf(fabsf(first.x), fabsf(first.x + DAFT_TILE)) / pencil.focal,
-                y = fmaxf(fabsf(first.y), fabsf(first.y - DAFT_TILE)) / pencil.focal;
+    daft_pencil straight = *pencil;
+    straight.turn = 0;
+    const float end = (float)side;
+    const daft_vec3 first = daft_pencil_ray(&straight, x, y);
+    const float across = fmaxf(fabsf(first.x), fabsf(first.x + end)) / pencil->focal,
+                down = fmaxf(fabsf(first.y), fabsf(first.y - end)) / pencil->focal;
     return (daft_hole_view){.left = first.x,
                             .top = first.y,
-                            .focal = pencil.focal,
-                            .turn = turn,
+                            .focal = pencil->focal,
+                            .turn = pencil->turn,
                             .own = raster->pencil.focal,
-                            .slant = sqrtf(1 + x * x + y * y),
+                            .side = end,
+                            .slant = sqrtf(1 + across * across + down * down),
                             .textures = raster->textures};
 }
 
@@ -52,7 +53,7 @@ static float place(const daft_hole_view *j, daft_dvec3 n, float out[3])
 {
     out[0] = (float)(n.x * (double)j->left + n.y * (double)j->top + n.z * (double)j->focal);
     out[1] = (float)n.x, out[2] = (float)-n.y;
-    return (fabsf(out[0]) + DAFT_TILE * (fabsf(out[1]) + fabsf(out[2]))) * 0x1p-22f;
+    return (fabsf(out[0]) + j->side * (fabsf(out[1]) + fabsf(out[2]))) * 0x1p-22f;
 }
 
 static daft_dvec3 weighted(const daft_dvec3 n[3], double a, double b, double c)

@@ -24,15 +24,17 @@ static inline const daft_mask *daft_mask_of(const daft_instance *s, uint32_t tri
 /* Of a mask with cells. */
 daft_mask_triangle daft_mask_triangle_of(const daft_mask *mask, const daft_trimesh *mesh, uint32_t triangle);
 
-/* A tile, or a part of one, as holes need it. */
+/* A tile as holes need it. */
 typedef struct daft_hole_view {
     float left, top, focal; /* the ray of its first pixel, before it is turned */
     float turn;             /* daft_pencil's */
-    float own;              /* the picture's focal length: its own pixels count, of which a part's are fractions */
+    float own;              /* the picture's focal length: its own pixels count, of which a fine tile's are fractions */
+    float side;             /* rays of a row */
     float slant;            /* the largest length of a ray, its part forwards being 1 */
     const daft_texture_data *textures; /* the raster's */
 } daft_hole_view;
-daft_hole_view daft_hole_view_of(const daft_raster *raster, const daft_tile_part *part, const daft_tile *tile);
+/* Of rays of the pencil, from (x, y) on. */
+daft_hole_view daft_hole_view_of(const daft_raster *raster, const daft_pencil *pencil, int x, int y, int side);
 
 /* Texture coordinates are u / s and v / s, each an affine function of columns and rows of the tile: the value at its
  * first pixel, what a column adds, and a row. */

@@ -60,15 +60,24 @@ typedef struct daft_tile {
     _Alignas(64) uint32_t triangle[DAFT_TILE_ROOM];
 } daft_tile;
 
-/* A part of a tile with more rays: the picture is `scale` times as wide and high, and pixels are divided. The tile has
- * scale² parts of DAFT_TILE rows and columns, numbered by rows. Rays that are not asked for see nothing. */
+/* Some of a tile's pixels, by other rays than the pencil's. Those that are not asked for see nothing. */
 typedef struct daft_tile_part {
-    int scale; /* a power of two, up to DAFT_TILE; scaled coordinates of pixels are below 2^15 */
-    int number;
-    float shift_x, shift_y, turn; /* of the rays from the middles of the divided pixels, as those of daft_pencil */
-    uint32_t asked[DAFT_TILE];    /* bit x of row y */
+    float shift_x, shift_y;    /* of the rays from the pixels' middles, as those of daft_pencil */
+    uint32_t asked[DAFT_TILE]; /* bit x of row y */
 } daft_tile_part;
 _Static_assert(DAFT_TILE == 32, "a row of a tile is one word of bits");
+
+/* Some of a tile's pixels by sixteen rays each, those of a picture four times as wide and high, turned by
+ * DAFT_FINE_TURN (daft_pencil.turn). Ray x + 4·y of pixel p stands at 16·p + x + 4·y. Rays that are not asked for see
+ * nothing where others of their pixel are asked for, and have no value elsewhere. */
+enum { DAFT_FINE = 4, DAFT_FINE_RAYS = DAFT_FINE * DAFT_FINE, DAFT_FINE_SIDE = DAFT_FINE * DAFT_TILE };
+#define DAFT_FINE_TURN 0.25f
+typedef struct daft_fine_tile {
+    uint32_t pixels[DAFT_TILE];            /* bit x of row y: some ray of the pixel is asked for, */
+    uint16_t asked[DAFT_TILE * DAFT_TILE]; /* and then which, by pixels: DAFT_TILE·y + x */
+    _Alignas(64) uint32_t instance[DAFT_FINE_RAYS * DAFT_TILE * DAFT_TILE];
+    _Alignas(64) uint32_t triangle[DAFT_FINE_RAYS * DAFT_TILE * DAFT_TILE];
+} daft_fine_tile;
 
 /* A plane in view space that the pencil looks through, and before which everything is that it may see: normal · p >
  * away. A triangle is left out where all of it clearly lies behind that; one of the owner, the instance that holds the
@@ -118,6 +127,8 @@ typedef struct daft_raster_kernels {
     size_t scratch_size; /* of a worker */
     /* `part`: NULL for the tile itself, by the pencil's own rays. */
     void (*tile)(const daft_raster *raster, uint32_t tile, uint32_t worker, const daft_tile_part *part, daft_tile *out);
+    /* scaled coordinates of pixels are below 2^15 */
+    void (*fine)(const daft_raster *raster, uint32_t tile, uint32_t worker, daft_fine_tile *out);
     /* Fills raster->visible for `lanes` instances from one on, all of meshes with triangles, as daft_raster_bin does
      * one by one. */
     void (*instances)(const daft_raster *raster, uint32_t first);
@@ -161,6 +172,7 @@ const daft_sample_kernels *daft_sample_kernels_for(int isa);
  */
 void daft_reference_tile(const daft_raster *raster, const daft_tlas *tlas, uint32_t tile, const daft_tile_part *part,
                          daft_tile *out);
+void daft_reference_fine(const daft_raster *raster, const daft_tlas *tlas, uint32_t tile, daft_fine_tile *out);
 
 /* ---- shared by the two paths ---- */
 
@@ -181,12 +193,24 @@ static inline bool daft_view_dense(const daft_view_instance *view)
 static inline daft_pencil daft_part_pencil(const daft_pencil *p, const daft_tile_part *part)
 {
     daft_pencil own = *p;
-    if (!part) return own;
-    own.width *= part->scale, own.height *= part->scale, own.focal *= (float)part->scale;
-    own.shift_x = part->shift_x, own.shift_y = part->shift_y, own.turn = part->turn;
+    if (part) own.shift_x = part->shift_x, own.shift_y = part->shift_y;
     return own;
 }
-/* Sets the place and size of a tile, or of a part of it. */
-void daft_tile_place(const daft_raster *raster, uint32_t tile, const daft_tile_part *part, daft_tile *out);
+/* Of a picture `scale` times as wide and high, by the middles of its pixels; and that of a fine tile's rays. */
+static inline daft_pencil daft_scaled_pencil(const daft_pencil *p, int scale)
+{
+    daft_pencil own = *p;
+    own.width *= scale, own.height *= scale, own.focal *= (float)scale;
+    own.shift_x = own.shift_y = 0;
+    return own;
+}
+static inline daft_pencil daft_fine_pencil(const daft_pencil *p)
+{
+    daft_pencil own = daft_scaled_pencil(p, DAFT_FINE);
+    own.turn = DAFT_FINE_TURN;
+    return own;
+}
+/* Sets the place and size of a tile. */
+void daft_tile_place(const daft_raster *raster, uint32_t tile, daft_tile *out);
 
 #endif

@@ -209,24 +209,46 @@ static best trace(const daft_raster *raster, const daft_tlas *tlas, daft_vec3 ra
     return nearest;
 }
 
+static best nothing(const daft_raster *raster, const daft_hole_view *holes, int column, int row)
+{
+    return (best){.z = INFINITY,
+                  .instance = DAFT_NOTHING,
+                  .holes = raster->passes_holes ? holes : NULL,
+                  .column = column,
+                  .row = row};
+}
+
 void daft_reference_tile(const daft_raster *raster, const daft_tlas *tlas, uint32_t tile, const daft_tile_part *part,
                          daft_tile *out)
 {
     const daft_pencil pencil = daft_part_pencil(&raster->pencil, part);
-    daft_tile_place(raster, tile, part, out);
-    const daft_hole_view holes = daft_hole_view_of(raster, part, out);
+    daft_tile_place(raster, tile, out);
+    const daft_hole_view holes = daft_hole_view_of(raster, &pencil, out->x, out->y, DAFT_TILE);
     for (int row = 0; row < out->height; row++) {
         for (int column = 0; column < out->width; column++) {
-            best nearest = {.z = INFINITY,
-                            .instance = DAFT_NOTHING,
-                            .holes = raster->passes_holes ? &holes : NULL,
-                            .column = column,
-                            .row = row};
+            best nearest = nothing(raster, &holes, column, row);
             if (!part || (part->asked[row] >> column & 1))
                 nearest = trace(raster, tlas, daft_pencil_ray(&pencil, out->x + column, out->y + row), nearest);
             int at = row * DAFT_TILE_STRIDE + column;
             out->instance[at] = nearest.instance;
             out->triangle[at] = nearest.triangle;
         }
+    }
+}
+
+void daft_reference_fine(const daft_raster *raster, const daft_tlas *tlas, uint32_t tile, daft_fine_tile *out)
+{
+    const daft_pencil pencil = daft_fine_pencil(&raster->pencil);
+    const int left = (int)(tile % (uint32_t)raster->tiles_x) * DAFT_FINE_SIDE,
+              top = (int)(tile / (uint32_t)raster->tiles_x) * DAFT_FINE_SIDE;
+    const daft_hole_view holes = daft_hole_view_of(raster, &pencil, left, top, DAFT_FINE_SIDE);
+    for (int i = 0; i < DAFT_TILE * DAFT_TILE * DAFT_FINE_RAYS; i++) {
+        const int pixel = i / DAFT_FINE_RAYS, ray = i % DAFT_FINE_RAYS, x = pixel % DAFT_TILE, y = pixel / DAFT_TILE;
+        if (!(out->pixels[y] >> x & 1)) continue;
+        const int column = DAFT_FINE * x + ray % DAFT_FINE, row = DAFT_FINE * y + ray / DAFT_FINE;
+        best nearest = nothing(raster, &holes, column, row);
+        if (out->asked[pixel] >> ray & 1)
+            nearest = trace(raster, tlas, daft_pencil_ray(&pencil, left + column, top + row), nearest);
+        out->instance[i] = nearest.instance, out->triangle[i] = nearest.triangle;
     }
 }

@@ -6,7 +6,6 @@ enum {
     SCALE = DAFT_EDGE_SCALE,
     RAYS = DAFT_EDGE_RAYS,
     TRIANGLES = 6, /* that a pixel sees, above which rays go together by instances */
-    WIDTH = DAFT_TILE
 };
 _Static_assert(RAYS == 16, "a pixel's rays are sixteen bits");
 
@@ -18,19 +17,18 @@ static const uint8_t SHADED[DAFT_OWN_KINDS][3] = {[DAFT_OWN_MATTE] = {4, 8, 16},
                                                   [DAFT_OWN_MIRRORS] = {4, 8, 12},
                                                   [DAFT_OWN_PASSES] = {4, 6, 8}};
 
-/* What a row of pixels has before it: of each ray what it sees. */
-typedef struct seen_row {
-    uint32_t id[SCALE][WIDTH];
-} seen_row;
-
-static void see_row(const daft_edge_part *p, int y, seen_row *out)
+/* Of each of the pixel's rays, by DAFT_EDGE_ORDER, what it sees. */
+DAFT_INLINE void see_pixel(const daft_fine_tile *rays, uint32_t pixel, uint32_t id[RAYS])
 {
-    for (int row = 0; row < SCALE; row++)
-        for (int x = 0; x < WIDTH; x += DAFT_VL) {
-            const int at = (SCALE * y + row) * DAFT_TILE_STRIDE + x;
-            const vi triangle = vi_load(&p->rays->triangle[at]) & vi_set((1 << DAFT_ID_INSTANCE) - 1);
-            vi_store(&out->id[row][x], vi_load(&p->rays->instance[at]) << DAFT_ID_INSTANCE | triangle);
-        }
+    uint32_t own[RAYS];
+    for (int i = 0; i < RAYS; i += DAFT_VL) {
+        const uint32_t at = RAYS * pixel + (uint32_t)i;
+        const vi triangle = vi_load(&rays->triangle[at]) & vi_set((1 << DAFT_ID_INSTANCE) - 1);
+        vi_store(&own[i], vi_load(&rays->instance[at]) << DAFT_ID_INSTANCE | triangle);
+    }
+    for (int i = 0; i < RAYS; i += DAFT_VL)
+        vf_store((float *)(void *)&id[i],
+                 vf_table_lookup16((const float *)(const void *)own, vi_load(&DAFT_EDGE_ORDER[i])));
 }
 
 /* Those of the pixel's rays that see the same, by number; `id` without some lower bits. */
@@ -61,7 +59,7 @@ DAFT_INLINE uint32_t group_rays(const uint32_t id[RAYS], group out[RAYS])
 typedef struct taking {
     const daft_edge_part *part;
     daft_edge_rays *out;
-    uint32_t place, wanted; /* of the pixel's first ray in the part; of the pixel in the tile */
+    uint32_t wanted; /* the pixel's place in the tile */
     int level;
     uint32_t kind; /* of the pixel's first sample */
 } taking;
@@ -69,12 +67,13 @@ typedef struct taking {
 /* The ray at a place in the pixel. Two pixels of such a pencil are one of that which shades. */
 DAFT_INLINE void shade(taking *t, uint32_t ray, float rays)
 {
-    const uint32_t x = ray % SCALE, y = ray / SCALE, at = t->place + y * DAFT_TILE_STRIDE + x;
+    const uint32_t x = ray % SCALE, y = ray / SCALE, at = RAYS * t->wanted + ray;
+    const uint32_t column = SCALE * (t->wanted % DAFT_TILE) + x, row = SCALE * (t->wanted / DAFT_TILE) + y;
     const float half = 0.5f;
     daft_seen_list *list = t->out->list;
     const uint32_t i = list->count++, pixel = daft_place_in_batch(i);
-    list->x[i] = half * (t->part->x + (float)(at % DAFT_TILE_STRIDE) + DAFT_EDGE_TURN * daft_pencil_turned((int)y));
-    list->y[i] = half * (t->part->y - (float)(at / DAFT_TILE_STRIDE) + DAFT_EDGE_TURN * daft_pencil_turned((int)x));
+    list->x[i] = half * (t->part->x + (float)column + DAFT_EDGE_TURN * daft_pencil_turned((int)y));
+    list->y[i] = half * (t->part->y - (float)row + DAFT_EDGE_TURN * daft_pencil_turned((int)x));
     list->instance[i] = t->part->rays->instance[at], list->triangle[i] = t->part->rays->triangle[at];
     list->pixel[i] = pixel, t->out->wanted[pixel] = t->wanted, t->out->share[i] = rays;
 }
@@ -87,7 +86,7 @@ DAFT_INLINE void take_group(taking *t, const group *g, uint32_t kind, bool has_o
     const float share = (float)count / (float)(fresh + has_own);
     if (has_own) t->out->own[t->wanted] = share;
     for (uint32_t i = 0, left = g->rays; i < fresh; i++, left &= left - 1)
-        shade(t, DAFT_EDGE_ORDER[__builtin_ctz(left)], share);
+        shade(t, (uint32_t)DAFT_EDGE_ORDER[__builtin_ctz(left)], share);
 }
 
 /* The kind of what a group sees, if a pixel beside sees it, too; else the pixel's own. `id`: without `bits` lower bits.
@@ -102,12 +101,12 @@ static uint32_t kind_around(const taking *t, uint32_t id, int bits)
     return t->kind;
 }
 
-static void take_outline(taking *t, const seen_row *seen, int x, uint32_t own)
+static void take_outline(taking *t, uint32_t own)
 {
     uint32_t id[RAYS];
     group groups[RAYS];
     int bits = 0;
-    for (int i = 0; i < RAYS; i++) id[i] = seen->id[DAFT_EDGE_ORDER[i] / SCALE][SCALE * x + DAFT_EDGE_ORDER[i] % SCALE];
+    see_pixel(t->part->rays, t->wanted, id);
     uint32_t count = group_rays(id, groups);
     if (count > TRIANGLES) {
         bits = DAFT_ID_INSTANCE;
@@ -133,18 +132,12 @@ uint32_t DAFT_KERNEL(daft_take_edges)(const daft_edge_part *part, int y, uint32_
 {
     const daft_edges *edges = part->edges;
     const int py = part->top + y;
-    seen_row seen;
-    if (pixels << part->left & edges->outline[py]) see_row(part, y, &seen);
     for (; pixels && out->list->count <= DAFT_BATCH - RAYS; pixels &= pixels - 1) {
         const int x = __builtin_ctz(pixels), px = part->left + x;
-        taking t = {part,
-                    out,
-                    (uint32_t)(SCALE * (y * DAFT_TILE_STRIDE + x)),
-                    (uint32_t)(py * DAFT_TILE + px),
-                    daft_edge_level(edges, px, py),
+        taking t = {part, out, (uint32_t)(py * DAFT_TILE + px), daft_edge_level(edges, px, py),
                     daft_first_kind(part->first, px, py)};
         if (edges->outline[py] >> px & 1)
-            take_outline(&t, &seen, x, part->first->id[py * part->first->id_stride + px]);
+            take_outline(&t, part->first->id[py * part->first->id_stride + px]);
         else
             take_inner(&t);
     }

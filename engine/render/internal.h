@@ -92,7 +92,7 @@ typedef struct daft_scratch {
     uint8_t seen_by[DAFT_BATCH_ROOM];                 /* where there are planar mirrors: see daft_mirrors_follow */
     uint32_t around[3][DAFT_TILE + 2][DAFT_TILE + 2]; /* a tile at the picture's border: its pixels, ids, own colours */
     daft_mixed mixed;                                 /* the tile's pixels that their corners change */
-    daft_tile fine;                                   /* what the rays of a part of the tile see (tile/edges.c) */
+    daft_fine_tile fine;                              /* what the rays of pixels at edges see (tile/edges.c) */
     daft_lanes3 sum;              /* of the tile's pixels that get more samples: their linear light, */
     float own[DAFT_BATCH];        /* and for how many rays their first samples speak */
     daft_seen_list fresh;         /* samples that are to be shaded, */

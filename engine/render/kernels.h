@@ -182,14 +182,14 @@ typedef struct daft_seen_list {
 } daft_seen_list;
 
 /* Part of a tile, as refined: each of its pixels has a grid of so many rays a side, turned so that each lies in a row
- * and a column of its own (daft_pencil.turn). */
-enum { DAFT_EDGE_SCALE = 4, DAFT_EDGE_RAYS = DAFT_EDGE_SCALE * DAFT_EDGE_SCALE };
-#define DAFT_EDGE_TURN 0.25f
+ * and a column of its own (daft_fine_tile). */
+enum { DAFT_EDGE_SCALE = DAFT_FINE, DAFT_EDGE_RAYS = DAFT_FINE_RAYS };
+#define DAFT_EDGE_TURN DAFT_FINE_TURN
 /* The order in which a pixel's rays, x + 4·y, are shaded, where not all are: in pairs that lie opposite each other, so
  * that any even number of them has its middle where the pixel has its own. (By Bayer's order eight of sixteen lay to
  * one side: the squared error of glass was a sixth more.) Two on a diagonal, a rotated grid of four, eight round the
  * middle, which the pixel's first sample has. */
-static const uint8_t DAFT_EDGE_ORDER[DAFT_EDGE_RAYS] = {1, 14, 7, 8, 2, 13, 4, 11, 0, 15, 3, 12, 5, 10, 6, 9};
+static const int32_t DAFT_EDGE_ORDER[DAFT_EDGE_RAYS] = {1, 14, 7, 8, 2, 13, 4, 11, 0, 15, 3, 12, 5, 10, 6, 9};
 enum {
     DAFT_EDGE_TWO = 0x4002,
     DAFT_EDGE_FOUR = 0x4182,
@@ -206,9 +206,9 @@ static const uint16_t DAFT_EDGE_INNER[DAFT_OWN_KINDS][3] = {
     [DAFT_OWN_PASSES] = {DAFT_EDGE_TWO, DAFT_EDGE_FOUR, DAFT_EDGE_EIGHT},
 };
 typedef struct daft_edge_part {
-    const daft_tile *rays; /* what they see */
-    float x, y;            /* where the first one goes, before it is turned */
-    int left, top;         /* the part's first pixel in the tile */
+    const daft_fine_tile *rays; /* what those of the tile see */
+    float x, y;                 /* where the tile's first one goes, before it is turned */
+    int left, top;              /* the part's first pixel in the tile */
     const daft_edges *edges;
     const daft_neighbours *first; /* the first samples of the tile's pixels, and of those around it */
 } daft_edge_part;

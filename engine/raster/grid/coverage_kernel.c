@@ -6,81 +6,7 @@
  * all three edges, outside where e < -1 for one; between, the exact predicates decide. w = 1/z is the inverse depth.
  * Each pixel keeps an interval that holds the w of its nearest hit so far: only where intervals overlap are depths
  * compared exactly. */
-#include "math/exact.h"
-#include "raster/grid/grid.h"
-
-#define SPHERE_ROUNDING 0x1p-18f
-
-/* What is drawn: a triangle or a sphere. */
-typedef struct primitive {
-    const daft_view_instance *view;
-    uint32_t triangle; /* 0 for a sphere */
-    daft_holes *holes; /* NULL: none. They are set up by the first window that asks */
-} primitive;
-
-/* ---- single lanes that floats could not decide ---- */
-
-static int lane_place(int at, int lane) { return at + lane / DAFT_WINDOW_W * DAFT_TILE_STRIDE + lane % DAFT_WINDOW_W; }
-
-static daft_vec3 place_ray(const daft_tile_job *j, int place)
-{
-    return daft_pencil_ray(&j->pencil, j->tile->x + place % DAFT_TILE_STRIDE, j->tile->y + place / DAFT_TILE_STRIDE);
-}
-
-static void lane_write(daft_tile_job *j, int place, const primitive *t, float low, float high)
-{
-    j->w_low[place] = low;
-    j->w_high[place] = high;
-    j->tile->instance[place] = t->view->index;
-    j->tile->triangle[place] = t->triangle;
-}
-
-/* The depths are too close for floats: compare the true ones, then the numbers. */
-static void lane_compare(daft_tile_job *j, int place, const primitive *t, float low, float high)
-{
-    daft_vec3 ray = place_ray(j, place);
-    uint32_t instance = j->tile->instance[place], triangle = j->tile->triangle[place];
-    double mine = daft_view_depth(t->view, t->triangle, ray),
-           other = daft_view_depth(&j->raster->visible[instance], triangle, ray);
-    j->counters->exact_depths++;
-    bool wins = mine < other || (mine == other &&
-                                 (t->view->index < instance || (t->view->index == instance && t->triangle < triangle)));
-    if (wins) lane_write(j, place, t, low, high);
-}
-
-/* A hit with the interval of its w: nearer, farther, or to be looked at closely. */
-static void lane_offer(daft_tile_job *j, int place, const primitive *t, float low, float high)
-{
-    if (!(low <= high)) low = -INFINITY, high = INFINITY; /* an overflow: nothing is known */
-    if (j->tile->instance[place] == DAFT_NOTHING || low > j->w_high[place])
-        lane_write(j, place, t, low, high);
-    else if (!(high < j->w_low[place]))
-        lane_compare(j, place, t, low, high);
-}
-
-static bool lane_hit(daft_tile_job *j, int place, const primitive *t)
-{
-    daft_vec3 ray = place_ray(j, place);
-    if (!t->view->mesh) return daft_view_depth(t->view, 0, ray) < INFINITY;
-    daft_vec3 corner[3];
-    daft_view_corners(t->view, t->triangle, corner);
-    j->counters->exact_edges++;
-    return daft_pencil_hits(corner[0], corner[1], corner[2], ray);
-}
-
-/* Of pixels one by one: hit_holes. */
-static __attribute__((noinline)) bool place_in_hole(const daft_tile_job *j, int place, const daft_view_instance *view,
-                                                    uint32_t triangle)
-{
-    daft_holes h;
-    return daft_holes_make(&j->holes, view, triangle, &h) &&
-           daft_in_hole(&h, place % DAFT_TILE_STRIDE, place / DAFT_TILE_STRIDE);
-}
-
-DAFT_INLINE bool asks_holes(const daft_tile_job *j, const daft_view_instance *view)
-{
-    return j->raster->passes_holes && view->instance->masks;
-}
+#include "raster/grid/sphere.h"
 
 /* ---- windows ---- */
 
@@ -99,20 +25,22 @@ DAFT_INLINE void mark_stale(daft_tile_job *j, uint32_t at)
     if (DAFT_WINDOW_H > 1) j->stale[(y + DAFT_WINDOW_H - 1) / DAFT_CELL] |= cell;
 }
 
+static int lane_place(int at, int lane) { return at + lane / DAFT_WINDOW_W * DAFT_TILE_STRIDE + lane % DAFT_WINDOW_W; }
+
 /* The lanes that floats leave open: one by one. */
-static __attribute__((noinline)) void look_closely(daft_tile_job *j, uint32_t at, const primitive *t, vbits look,
+static __attribute__((noinline)) void look_closely(daft_tile_job *j, uint32_t at, const daft_primitive *t, vbits look,
                                                    vbits unsure, const float *low, const float *high)
 {
     for (; look; look &= look - 1) {
-        int i = __builtin_ctz(look), place = lane_place((int)at, i);
-        if ((unsure >> i & 1) && !lane_hit(j, place, t)) continue;
-        lane_offer(j, place, t, low[i], high[i]);
+        int i = __builtin_ctz(look);
+        DAFT_KERNEL(daft_ray_decide)(j, lane_place((int)at, i), t, !(unsure >> i & 1), low[i], high[i]);
     }
 }
 
 /* Offers lanes with intervals of w to a window: decided in lanes where the intervals are apart. One branch: whether
  * there is anything to do is hard to predict, the rest is not. */
-DAFT_INLINE void offer(daft_tile_job *j, uint32_t at, const primitive *t, vbits hits, vbits unsure, vf low, vf high)
+DAFT_INLINE void offer(daft_tile_job *j, uint32_t at, const daft_primitive *t, vbits hits, vbits unsure, vf low,
+                       vf high)
 {
     vf old_low = window_load(&j->w_low[at]);
     hits &= ~vbits_from_mask(vf_lt(high, old_low));
@@ -159,31 +87,20 @@ typedef struct window_rows {
 
 DAFT_INLINE window_rows rows_of(const daft_tile_job *j, const planes *p, int y)
 {
-    vf dy = vf_set(j->top - (float)y) - vf_load(j->down);
+    vf dy = vf_set(j->top - (float)y) - vf_row();
     return (window_rows){{p->ny[0] * dy + p->nz[0], p->ny[1] * dy + p->nz[1], p->ny[2] * dy + p->nz[2]},
                          p->wy * dy + p->wz};
 }
 
-/* The lanes in holes, of those that are not hidden. */
-static __attribute__((noinline)) vbits hit_holes(daft_tile_job *j, const primitive *t, int x, int y, vbits hits)
+DAFT_INLINE void draw_window(daft_tile_job *j, const planes *p, const window_rows *r, int x, int y,
+                             const daft_primitive *t)
 {
-    daft_holes *h = t->holes;
-    if (!hits || h->none) return 0;
-    if (!h->known) {
-        h->known = true, h->none = !daft_holes_make(&j->holes, t->view, t->triangle, h);
-        if (h->none) return 0;
-    }
-    return DAFT_KERNEL(daft_holes_pass)(h, x, y, hits);
-}
-
-DAFT_INLINE void draw_window(daft_tile_job *j, const planes *p, const window_rows *r, int x, int y, const primitive *t)
-{
-    vf dx = vf_load(j->dx[y & j->rows][x / DAFT_WINDOW_W]);
+    vf dx = vf_load(j->dx[x / DAFT_WINDOW_W]);
     vf min = vf_min(vf_min(p->nx[0] * dx + r->e[0], p->nx[1] * dx + r->e[1]), p->nx[2] * dx + r->e[2]);
     vbits hits = vbits_from_mask(vf_le(p->outer, min));
     vf w = vf_min(p->wx * dx + r->w, p->cap);
     if (t->holes)
-        hits &= ~hit_holes(
+        hits &= ~DAFT_KERNEL(daft_hits_in_holes)(
             j, t, x, y, hits & ~vbits_from_mask(vf_lt(w + p->error, window_load(&j->w_low[y * DAFT_TILE_STRIDE + x]))));
     offer(j, (uint32_t)(y * DAFT_TILE_STRIDE + x), t, hits, hits & ~vbits_from_mask(vf_lt(p->sure, min)), w - p->error,
           w + p->error);
@@ -206,8 +123,7 @@ static void find_windows(const daft_tile_job *j, const daft_pencil_batch *b, int
     for (int k = 0; k < 3; k++) {
         float x = fabsf(b->nx[k][i]), y = fabsf(b->ny[k][i]), z = b->nz[k][i];
         nx[k] = vf_set(b->nx[k][i]), ny[k] = vf_set(b->ny[k][i]);
-        max[k] = vf_set(z + x * (half_w + j->spread) + y * (half_h + j->spread) +
-                        8 * UNIT * (x * j->max_dx + y * j->max_dy + fabsf(z)));
+        max[k] = vf_set(z + x * half_w + y * half_h + 8 * UNIT * (x * j->max_dx + y * j->max_dy + fabsf(z)));
     }
     for (int k = 0; k < WINDOW_WORDS; k++) bits[k] = 0;
     for (uint32_t q = 0; q < count; q += DAFT_VL) {
@@ -230,7 +146,7 @@ DAFT_INLINE uint64_t asked_windows(const daft_tile_job *j, int y)
 }
 
 /* Large boxes: long thin triangles are in few of their windows, which are found first. */
-static void draw_found(daft_tile_job *j, const daft_pencil_batch *b, int i, const primitive *t)
+static void draw_found(daft_tile_job *j, const daft_pencil_batch *b, int i, const daft_primitive *t)
 {
     planes p = planes_of(j, b, i);
     uint32_t columns = (2u << b->x1[i] / DAFT_WINDOW_W) - (1u << b->x0[i] / DAFT_WINDOW_W);
@@ -250,7 +166,7 @@ static void draw_found(daft_tile_job *j, const daft_pencil_batch *b, int i, cons
     }
 }
 
-static void draw_all_windows(daft_tile_job *j, const daft_pencil_batch *b, int i, const primitive *t)
+static void draw_all_windows(daft_tile_job *j, const daft_pencil_batch *b, int i, const daft_primitive *t)
 {
     planes p = planes_of(j, b, i);
     int x0 = b->x0[i] & -DAFT_WINDOW_W, x1 = b->x1[i], y1 = b->y1[i];
@@ -265,7 +181,7 @@ static void draw_all_windows(daft_tile_job *j, const daft_pencil_batch *b, int i
 static void draw_large(daft_tile_job *j, const daft_pencil_batch *b, int i)
 {
     daft_holes holes;
-    primitive t = {&j->raster->visible[b->instance[i]], b->triangle[i], NULL};
+    daft_primitive t = {&j->raster->visible[b->instance[i]], b->triangle[i], NULL};
     if (asks_holes(j, t.view)) {
         holes.known = holes.none = false;
         t.holes = &holes;
@@ -297,6 +213,11 @@ DAFT_INLINE void add_hits(hit_list *h, vbits lanes, vi places, vi lane, vm sure,
     h->count += (uint32_t)__builtin_popcount(lanes);
 }
 
+DAFT_INLINE bool in_hole(const daft_tile_job *j, int at, const daft_view_instance *view, uint32_t triangle)
+{
+    return DAFT_KERNEL(daft_ray_in_hole)(j, at % DAFT_TILE_STRIDE, at / DAFT_TILE_STRIDE, view, triangle);
+}
+
 /* One after the other, since several may be of one pixel. */
 static void offer_hits(daft_tile_job *j, const daft_pencil_batch *b, hit_list *h)
 {
@@ -307,15 +228,15 @@ static void offer_hits(daft_tile_job *j, const daft_pencil_batch *b, hit_list *h
         float low = h->w[k] - b->error[i], high = h->w[k] + b->error[i];
         if (high < j->w_low[at]) continue;
         const daft_view_instance *view = &j->raster->visible[b->instance[i]];
-        if (asks_holes(j, view) && place_in_hole(j, at, view, b->triangle[i])) continue;
+        if (asks_holes(j, view) && in_hole(j, at, view, b->triangle[i])) continue;
         j->stale[at / DAFT_TILE_STRIDE / DAFT_CELL] |= 1u << at % DAFT_TILE_STRIDE / DAFT_CELL;
         if (__builtin_expect(sure && low > j->w_high[at], 1)) {
             j->w_low[at] = low, j->w_high[at] = high;
             j->tile->instance[at] = b->instance[i], j->tile->triangle[at] = b->triangle[i];
             continue;
         }
-        const primitive t = {view, b->triangle[i], NULL};
-        if (sure || lane_hit(j, at, &t)) lane_offer(j, at, &t, low, high);
+        const daft_primitive t = {view, b->triangle[i], NULL};
+        DAFT_KERNEL(daft_ray_decide)(j, at, &t, sure, low, high);
     }
 }
 
@@ -377,8 +298,7 @@ static vbits spans_setup(const daft_tile_job *j, const daft_pencil_batch *b, vbi
         vf max = vf_if_then_else(vm_and(known, vm_not(below)), at + vf_set(SPAN_SLACK), vf_set(INFINITY));
         slope = vf_if_then_else(known, slope, vf_set(0));
         from = vf_max(from, min + slope * middle), to = vf_min(to, max + slope * middle);
-        const vf aside = vf_set(j->spread) * (vf_set(1) + vf_abs(slope));
-        vf_store(s->low[k], min - aside), vf_store(s->high[k], max + aside), vf_store(s->slope[k], slope);
+        vf_store(s->low[k], min), vf_store(s->high[k], max), vf_store(s->slope[k], slope);
     }
     vi_store(s->last_row, last_row), vf_store(s->last, last);
     vi_store(s->place, y0 * stride + x0), vi_store(s->row_step, vi_if_then_else(flat, one, stride)),
@@ -410,8 +330,6 @@ DAFT_INLINE uint32_t spans_list(const spans *s, int i, uint32_t *list)
     return count;
 }
 
-DAFT_INLINE vf turned(vi place) { return vf_convert_to(place & vi_set(3)) - vf_set(1.5f); }
-
 /* The rays of such pixels, each against its own triangle. */
 static void draw_listed(daft_tile_job *j, const daft_pencil_batch *b, const uint32_t *list, uint32_t count)
 {
@@ -423,8 +341,7 @@ static void draw_listed(daft_tile_job *j, const daft_pencil_batch *b, const uint
         vi listed = vi_if_then_else(vm_from_bits(lanes), vi_load(&list[i]), vi_set(0));
         vi lane = listed >> 16, place = listed & vi_set(0xffff), y = place >> __builtin_ctz(DAFT_TILE_STRIDE);
         vi x = place & vi_set(DAFT_TILE_STRIDE - 1);
-        vf turn = vf_set(j->pencil.turn), dx = vf_set(j->left) + vf_convert_to(x) + turned(y) * turn,
-           dy = vf_set(j->top) - vf_convert_to(y) + turned(x) * turn, min = vf_set(INFINITY);
+        vf dx = vf_set(j->left) + vf_convert_to(x), dy = vf_set(j->top) - vf_convert_to(y), min = vf_set(INFINITY);
         for (int k = 0; k < 3; k++)
             min = vf_min(vf_table_lookup(b->nx[k], lane) * dx +
                              (vf_table_lookup(b->ny[k], lane) * dy + vf_table_lookup(b->nz[k], lane)),
@@ -467,12 +384,6 @@ static void fetch_doubted(const daft_small *from, daft_hits *h)
     h->doubted_count = 0;
 }
 
-static __attribute__((noinline)) void look_closely_at(daft_tile_job *j, int at, const primitive *t, bool sure,
-                                                      float low, float high)
-{
-    if (sure || lane_hit(j, at, t)) lane_offer(j, at, t, low, high);
-}
-
 DAFT_INLINE void hits_draw_as(daft_tile_job *j, bool exact, const daft_small *from, const daft_hits *h)
 {
     uint32_t *instance = j->tile->instance, *triangle = j->tile->triangle;
@@ -482,7 +393,7 @@ DAFT_INLINE void hits_draw_as(daft_tile_job *j, bool exact, const daft_small *fr
         float low = h->low[k], high = exact ? h->high[k] : low;
         if (high < j->w_low[at]) continue;
         const daft_view_instance *view = from->view;
-        if (holes && place_in_hole(j, (int)at, view, from->triangle[number])) continue;
+        if (holes && in_hole(j, (int)at, view, from->triangle[number])) continue;
         bool sure = !exact || !(hit & DAFT_HIT_UNSURE);
         j->stale[at / DAFT_TILE_STRIDE / DAFT_CELL] |= 1u << at % DAFT_TILE_STRIDE / DAFT_CELL;
         if (__builtin_expect(sure && low > j->w_high[at], 1)) {
@@ -490,15 +401,17 @@ DAFT_INLINE void hits_draw_as(daft_tile_job *j, bool exact, const daft_small *fr
             instance[at] = view->index, triangle[at] = from->triangle[number];
             continue;
         }
-        const primitive t = {view, from->triangle[number], NULL};
-        look_closely_at(j, (int)at, &t, sure, low, high);
+        const daft_primitive t = {view, from->triangle[number], NULL};
+        DAFT_KERNEL(daft_ray_decide)(j, (int)at, &t, sure, low, high);
     }
 }
 
 void DAFT_KERNEL(daft_hits_draw)(daft_tile_job *j, daft_small *from, daft_hits *h)
 {
     fetch_doubted(from, h);
-    if (j->exact) {
+    if (j->fine) {
+        DAFT_KERNEL(daft_fine_hits_draw)(j, from, h);
+    } else if (j->exact) {
         hits_draw_as(j, true, from, h);
     } else {
         hits_draw_as(j, false, from, h);
@@ -509,47 +422,28 @@ void DAFT_KERNEL(daft_hits_draw)(daft_tile_job *j, daft_small *from, daft_hits *
 void DAFT_KERNEL(daft_batch_draw)(daft_tile_job *j, const daft_pencil_batch *b)
 {
     vbits live = b->live;
+    if (j->fine) {
+        DAFT_KERNEL(daft_fine_batch_draw)(j, b);
+        return;
+    }
     for (live &= ~draw_thin(j, b, live); live; live &= live - 1) draw_large(j, b, __builtin_ctz(live));
 }
 
 /* ---- spheres ---- */
 
-/* |error(discriminant)| <= 32u·(|c| + r)², from a projection that is off by a few u·|c| and is squared. Its root is
- * then off by less than 2·error / max(root, sqrt(error)); z by that and a few u of the sphere's reach. */
 void DAFT_KERNEL(daft_sphere_draw)(daft_tile_job *j, const daft_view_instance *view, int x0, int x1, int y0, int y1)
 {
-    const primitive t = {view, 0, NULL};
-    const float *c = view->to_view.t;
-    float radius = view->instance->radius, focal = j->pencil.focal;
-    float reach = sqrtf(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]) + radius, limit = 32 * UNIT * reach * reach + TINY;
-    vf vx = vf_set(c[0]), vy = vf_set(c[1]), vz = vf_set(c[2]), vfocal = vf_set(focal), doubt = vf_set(limit),
-       one = vf_set(1);
-    vf r2 = vf_set(radius * radius), root_doubt = vf_set(sqrtf(limit)), rounding = vf_set(reach * SPHERE_ROUNDING);
-    vf inf = vf_set(INFINITY), tiny = vf_set(TINY);
-    x0 &= -DAFT_WINDOW_W;
-    for (int y = y0; y <= y1; y += DAFT_WINDOW_H) {
-        vf dy = vf_set(j->top - (float)y) - vf_load(j->down);
-        for (int x = x0; x <= x1; x += DAFT_WINDOW_W) {
-            vf dx = vf_load(j->dx[y & j->rows][x / DAFT_WINDOW_W]);
-            vf inverse = one / (dx * dx + dy * dy + vfocal * vfocal),
-               along = (dx * vx + dy * vy + vfocal * vz) * inverse;
-            vf ax = vx - dx * along, ay = vy - dy * along, az = vz - vfocal * along;
-            vf disc = r2 - (ax * ax + ay * ay + az * az);
-            vbits lanes = DAFT_ALL_LANES & ~vbits_from_mask(vf_lt(disc, -doubt));
-            if (!lanes) continue;
-            vbits unsure = lanes & ~vbits_from_mask(vf_lt(doubt, disc));
-            vf chord = vf_sqrt(vf_max(disc, vf_set(0))), half = chord * vf_sqrt(inverse);
-            vf error = vf_set(2) * doubt / vf_max(chord, root_doubt) + rounding;
-            vf near = (along - half) * vfocal, far = (along + half) * vfocal;
-            vbits ahead = vbits_from_mask(vf_lt(error, near)), behind = vbits_from_mask(vf_lt(near, -error));
-            vbits inside = vbits_from_mask(vf_lt(error, far)) & behind;
-            unsure |= lanes & ~ahead & ~inside;
-            lanes &= ~(behind & vbits_from_mask(vf_lt(far, -error)));
-            vf z = vf_if_then_else(vm_from_bits(ahead), near, far), low = z - error, high = z + error;
-            vm known = vm_from_bits(ahead | inside); /* then both are positive */
-            vf w_low = vf_if_then_else(known, vf_set(1 - 4 * UNIT) / vf_max(high, tiny), -inf);
-            vf w_high = vf_if_then_else(known, vf_set(1 + 4 * UNIT) / vf_max(low, tiny), inf);
-            offer(j, (uint32_t)(y * DAFT_TILE_STRIDE + x), &t, lanes, unsure & lanes, w_low, w_high);
-        }
+    if (j->fine) {
+        DAFT_KERNEL(daft_fine_sphere_draw)(j, view, x0, x1, y0, y1);
+        return;
     }
+    const daft_primitive t = {view, 0, NULL};
+    const sphere s = sphere_of(j, view);
+    x0 &= -DAFT_WINDOW_W;
+    for (int y = y0; y <= y1; y += DAFT_WINDOW_H)
+        for (int x = x0; x <= x1; x += DAFT_WINDOW_W) {
+            const sphere_hits h =
+                sphere_meet(&s, vf_load(j->dx[x / DAFT_WINDOW_W]), vf_set(j->top - (float)y) - vf_row());
+            if (h.lanes) offer(j, (uint32_t)(y * DAFT_TILE_STRIDE + x), &t, h.lanes, h.unsure, h.low, h.high);
+        }
 }

@@ -5,8 +5,11 @@
  *     nodes_kernel.c      an instance's tree against the tile, by screen boxes of nodes, down to blocks of triangles
  *     setup_kernel.c      blocks to planes of edges and of inverse depth
  *     coverage_kernel.c   set-up triangles to pixels: large ones by windows, slivers by rows; spheres; depth intervals
+ *     fine_kernel.c       the same with sixteen rays a pixel, for those that ask for them
  *     small_kernel.c      triangles of two pixels a side in dense meshes, without planes
  *     hidden.h            whether pixels see something nearer already
+ *     sphere.h            rays against a sphere, for both
+ *     decide_kernel.c     rays one by one, where floats do not decide
  *
  * A stage reads the job and what the stage before wrote, and writes its own batch: blocks, daft_small, daft_queue,
  * daft_pencil_batch, daft_hits. All of them lie in one daft_grid_scratch for each worker.
@@ -33,33 +36,45 @@ enum {
 
 /* A pixel's place is its row · DAFT_TILE_STRIDE + its column. w is the inverse depth; w_low..w_high holds that of what
  * the pixel sees. Pixels that are not asked for or lie beyond the picture count as infinitely near: nothing is offered
- * to them in vain, nor do they look far. */
+ * to them in vain, nor do they look far.
+ *
+ * Of a fine tile, screen boxes are in rays, and w_low is the least of the rays that a pixel asks for: what is hidden
+ * from it is hidden from all of them. Each ray's own interval stands in daft_fine_depths. */
 typedef struct daft_tile_job {
     const daft_raster *raster;
-    daft_pencil pencil; /* the raster's, or of a part of a tile */
-    int scale;          /* the part's, or 1 */
+    daft_pencil pencil; /* of the rays */
     daft_bins *counters;
-    daft_tile *tile;
-    float left, top;      /* ray of the tile's first pixel */
-    float last_x, last_y; /* its last column and row in the picture */
-    float max_dx, max_dy; /* of any ray in the tile */
-    float spread, slack;  /* pixels that rays lie from their pixels' places; this and DAFT_SCREEN_SLACK */
+    daft_tile *tile; /* one of both */
+    daft_fine_tile *fine;
+    struct daft_fine_depths *fine_depths;
+    int x, y, width, height; /* of the first ray in the pencil's picture, and rays of the tile that are within that */
+    int scale, scale_bits;   /* rays of a pixel's side, and as a power of two; */
+    float side;              /* of the tile's */
+    float left, top;         /* the first ray, before it is turned */
+    float last_x, last_y;    /* the last column and row of rays in the picture */
+    float max_dx, max_dy;    /* of any ray in the tile */
+    float spread, slack;     /* how far the pencil turns rays; this and DAFT_SCREEN_SLACK */
     bool exact;
     daft_hole_view holes; /* where the raster passes holes */
     bool clips;           /* the raster has a plane: */
     float clip[4];        /* its normal, and how far along it what is seen of the running instance begins */
-    _Alignas(64) float dx[4][DAFT_TILE / DAFT_WINDOW_W][DAFT_VL]; /* of the rays of windows, by row and column */
-    int rows;                                                     /* y & rows: which of them */
-    _Alignas(64) float down[DAFT_VL];                             /* of a window's rays, from its first row */
+    _Alignas(64) float dx[DAFT_TILE / DAFT_WINDOW_W][DAFT_VL];       /* of the rays of windows, by columns */
+    _Alignas(64) float across[DAFT_FINE_RAYS], down[DAFT_FINE_RAYS]; /* of a fine pixel's rays, from the first one */
     /* Every pixel's w in the cell is at least this; stale, by rows of cells: some pixel has come nearer since it was
      * found. */
     _Alignas(64) float farthest[DAFT_CELLS_X][DAFT_CELLS_X];
     uint32_t stale[DAFT_CELLS_X + 1]; /* one more for windows that begin in the last row */
-    bool sparse;                      /* a part of which some windows hold no ray that was asked for: */
+    bool sparse;                      /* some windows hold no pixel that is asked for: */
     uint8_t asked[2 * DAFT_TILE];     /* bit x of windows that do, 4·x columns from the left, by their first rows */
     _Alignas(64) float w_low[DAFT_TILE_ROOM];
     _Alignas(64) float w_high[DAFT_TILE_ROOM];
 } daft_tile_job;
+
+/* Of what the rays of a fine tile see; of those that are not asked for in a pixel that is, infinite. */
+typedef struct daft_fine_depths {
+    _Alignas(64) float low[DAFT_FINE_RAYS * DAFT_TILE * DAFT_TILE];
+    _Alignas(64) float high[DAFT_FINE_RAYS * DAFT_TILE * DAFT_TILE];
+} daft_fine_depths;
 
 /* Triangles whose screen boxes hold some ray of the tile, waiting until there are enough to be set up. DAFT_LEAVES_ROOM
  * leaves may be added at a time. */
@@ -91,7 +106,7 @@ typedef struct daft_queue {
     uint32_t count;
     float corner[9][DAFT_QUEUE_ROOM]; /* x, y, z of corner 0, then of 1 and 2, in camera space */
     float nearest[DAFT_QUEUE_ROOM];   /* the largest w; infinite where a corner is not in front */
-    uint32_t pixels[DAFT_QUEUE_ROOM]; /* of the tile: x0 | x1 << 8 | y0 << 16 | y1 << 24 */
+    uint32_t pixels[DAFT_QUEUE_ROOM]; /* rays of the tile: x0 | x1 << 8 | y0 << 16 | y1 << 24 */
     uint32_t instance[DAFT_QUEUE_ROOM], triangle[DAFT_QUEUE_ROOM];
     daft_small small; /* these and hits are of the instances at work: they do not wait for others */
     daft_hits hits;
@@ -101,6 +116,7 @@ typedef struct daft_queue {
 typedef struct daft_grid_scratch {
     daft_tile_job job;
     daft_queue queue;
+    daft_fine_depths fine;
 } daft_grid_scratch;
 
 /* Up to DAFT_VL triangles, set up. Edge k is opposite corner k. */
@@ -109,7 +125,7 @@ typedef struct daft_pencil_batch {
     float nx[3][DAFT_VL], ny[3][DAFT_VL], nz[3][DAFT_VL]; /* over the bound of e; nz times the focal length */
     float wx[DAFT_VL], wy[DAFT_VL], wz[DAFT_VL];          /* w = wx·dx + wy·dy + wz */
     float error[DAFT_VL], w_cap[DAFT_VL];
-    int32_t x0[DAFT_VL], x1[DAFT_VL], y0[DAFT_VL], y1[DAFT_VL]; /* pixels of the tile */
+    int32_t x0[DAFT_VL], x1[DAFT_VL], y0[DAFT_VL], y1[DAFT_VL]; /* rays of the tile */
     uint32_t instance[DAFT_VL], triangle[DAFT_VL];
 } daft_pencil_batch;
 
@@ -120,7 +136,7 @@ void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_view_
 /* No less than the R of small_kernel.c, but for twice a triangle's extent. */
 DAFT_INLINE float daft_tile_reach(const daft_tile_job *job)
 {
-    return (job->max_dx > job->max_dy ? job->max_dx : job->max_dy) + 2 * DAFT_TILE;
+    return (job->max_dx > job->max_dy ? job->max_dx : job->max_dy) + 2 * job->side;
 }
 /* The pixels of those projected. */
 void DAFT_KERNEL(daft_small_hits)(const daft_tile_job *job, const daft_small *from, daft_hits *out);
@@ -140,11 +156,31 @@ void DAFT_KERNEL(daft_mesh_draw)(daft_tile_job *job, const daft_view_instance *v
 void DAFT_KERNEL(daft_queue_draw)(daft_tile_job *job, daft_queue *queue);
 /* Whether the pixels x0..x1, y0..y1 of the tile all see something whose w is above `nearest`. */
 bool DAFT_KERNEL(daft_pixels_hidden)(daft_tile_job *job, int x0, int x1, int y0, int y1, float nearest);
+/* What is drawn: a triangle or a sphere. */
+typedef struct daft_primitive {
+    const daft_view_instance *view;
+    uint32_t triangle; /* 0 for a sphere */
+    daft_holes *holes; /* NULL: none. They are set up by the first window that asks */
+} daft_primitive;
+/* decide_kernel.c: a ray that meets it, or may where that is not sure, with the interval of its w. */
+void DAFT_KERNEL(daft_ray_decide)(daft_tile_job *job, int at, const daft_primitive *t, bool sure, float low,
+                                  float high);
+/* Whether ray (x, y) of the tile is in a hole of a triangle. */
+bool DAFT_KERNEL(daft_ray_in_hole)(const daft_tile_job *job, int x, int y, const daft_view_instance *view,
+                                   uint32_t triangle);
+/* Of the lanes `hits` of a window of rays from (x, y) on, those that are. */
+vbits DAFT_KERNEL(daft_hits_in_holes)(daft_tile_job *job, const daft_primitive *t, int x, int y, vbits hits);
 /* coverage_kernel.c: draws these, and none of them are left. */
 void DAFT_KERNEL(daft_hits_draw)(daft_tile_job *job, daft_small *from, daft_hits *hits);
 void DAFT_KERNEL(daft_batch_draw)(daft_tile_job *job, const daft_pencil_batch *batch);
-/* The pixels x0..x1, y0..y1 of the tile against a sphere. */
+/* The rays x0..x1, y0..y1 of the tile against a sphere. */
 void DAFT_KERNEL(daft_sphere_draw)(daft_tile_job *job, const daft_view_instance *view, int x0, int x1, int y0, int y1);
+/* fine_kernel.c: the same of fine tiles. */
+void DAFT_KERNEL(daft_fine_begin)(daft_tile_job *job);
+void DAFT_KERNEL(daft_fine_hits_draw)(daft_tile_job *job, daft_small *from, daft_hits *hits);
+void DAFT_KERNEL(daft_fine_batch_draw)(daft_tile_job *job, const daft_pencil_batch *batch);
+void DAFT_KERNEL(daft_fine_sphere_draw)(daft_tile_job *job, const daft_view_instance *view, int x0, int x1, int y0,
+                                        int y1);
 
 /* holes_kernel.c. Of a window's lanes `hits`, those that are in a hole. */
 vbits DAFT_KERNEL(daft_holes_pass)(const daft_holes *h, int x, int y, vbits hits);
@@ -163,6 +199,11 @@ DAFT_INLINE void blocks_at(const daft_view_instance *view, const uint32_t *block
                            const daft_block *out[DAFT_BATCH_BLOCKS])
 {
     for (uint32_t i = 0; i < DAFT_BATCH_BLOCKS; i++) out[i] = &view->bvh->blocks[blocks[i < count ? i : 0]];
+}
+
+DAFT_INLINE bool asks_holes(const daft_tile_job *j, const daft_view_instance *view)
+{
+    return j->raster->passes_holes && view->instance->masks;
 }
 
 /* Adds those of `some`. */

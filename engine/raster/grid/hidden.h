@@ -17,9 +17,14 @@ _Static_assert(7 * DAFT_TILE_STRIDE <= UINT8_MAX, "rows of a small box are count
 static const uint8_t ROWS[8][7] = {ROWS_TO(0), ROWS_TO(1), ROWS_TO(2), ROWS_TO(3),
                                    ROWS_TO(4), ROWS_TO(5), ROWS_TO(6), ROWS_TO(7)};
 
-/* Whether all pixels of a visit see something nearer: by the pixels themselves where they are few. */
-DAFT_INLINE bool hidden(daft_tile_job *j, uint32_t pixels, float nearest)
+/* The pixels of a box of rays. */
+#define BOX_BYTES ((DAFT_TILE - 1) * 0x01010101)
+DAFT_INLINE uint32_t pixels_of(const daft_tile_job *j, uint32_t rays) { return rays >> j->scale_bits & BOX_BYTES; }
+
+/* Whether all pixels of a box of rays see something nearer: by the pixels themselves where they are few. */
+DAFT_INLINE bool hidden(daft_tile_job *j, uint32_t rays, float nearest)
 {
+    const uint32_t pixels = pixels_of(j, rays);
     uint32_t x0 = pixels & 255, width = (pixels >> 8 & 255) - x0, y0 = pixels >> 16 & 255, height = (pixels >> 24) - y0;
     if (width >= 8 || height >= 8) return DAFT_KERNEL(daft_cells_hidden)(j, pixels, nearest);
     const float *w = &j->w_low[y0 * DAFT_TILE_STRIDE + x0];
@@ -30,10 +35,11 @@ DAFT_INLINE bool hidden(daft_tile_job *j, uint32_t pixels, float nearest)
     return !(v8_le_bits(min, v8_set(nearest)) & ((2u << width) - 1));
 }
 
-/* The lanes whose boxes are hidden; `pixels` is 0 in the others. Two corners of all boxes are looked at side by side,
+/* The lanes whose boxes are hidden; `rays` is 0 in the others. Two corners of all boxes are looked at side by side,
  * then the other two: they show most of those that are not hidden, and little boxes have no other pixels. */
-DAFT_INLINE vbits hidden_lanes(daft_tile_job *j, vi pixels, vf nearest, vbits lanes)
+DAFT_INLINE vbits hidden_lanes(daft_tile_job *j, vi rays, vf nearest, vbits lanes)
 {
+    const vi pixels = rays >> j->scale_bits & vi_set(BOX_BYTES);
     vi byte = vi_set(255), x0 = pixels & byte, x1 = pixels >> 8 & byte;
     vi y0 = (pixels >> 16 & byte) * DAFT_TILE_STRIDE, y1 = (pixels >> 24 & byte) * DAFT_TILE_STRIDE;
     vf w = vf_min(vf_gather_index(j->w_low, y0 + x0), vf_gather_index(j->w_low, y1 + x1));
@@ -46,7 +52,7 @@ DAFT_INLINE vbits hidden_lanes(daft_tile_job *j, vi pixels, vf nearest, vbits la
     if (!large) return gone;
     uint32_t box[DAFT_VL];
     float min[DAFT_VL];
-    vi_store(box, pixels), vf_store(min, nearest);
+    vi_store(box, rays), vf_store(min, nearest);
     for (; large; large &= large - 1) {
         int i = __builtin_ctz(large);
         gone &= ~((vbits)!hidden(j, box[i], min[i]) << i);

@@ -22,7 +22,7 @@ enum {
 typedef struct visit {
     uint32_t child;
     float nearest;   /* no w in it is larger */
-    uint32_t pixels; /* of the tile: x0 | x1 << 8 | y0 << 16 | y1 << 24 */
+    uint32_t pixels; /* rays of the tile: x0 | x1 << 8 | y0 << 16 | y1 << 24 */
 } visit;
 
 /* Visits by lanes; room for a register from the last one on. */

@@ -274,7 +274,7 @@ bool DAFT_KERNEL(daft_queue_setup)(const daft_tile_job *job, daft_queue *from, d
         l.corners.p[k] = (vf3){vf_load(&from->corner[3 * k][at]), vf_load(&from->corner[3 * k + 1][at]),
                                vf_load(&from->corner[3 * k + 2][at])},
         l.corners.depth[k] = l.corners.p[k].z;
-    vi pixels = vi_load(&from->pixels[at]), byte = vi_set(DAFT_TILE - 1);
+    vi pixels = vi_load(&from->pixels[at]), byte = vi_set(255);
     l.x0 = vf_convert_to(pixels & byte), l.x1 = vf_convert_to(pixels >> 8 & byte);
     l.y0 = vf_convert_to(pixels >> 16 & byte), l.y1 = vf_convert_to(pixels >> 24 & byte);
     l.nearest = vf_load(&from->nearest[at]);

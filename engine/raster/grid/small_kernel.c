@@ -6,11 +6,12 @@
  *
  * Error bounds. Corners in the picture, relative to a pixel: u = 2^-24; the scale focal/z rounds once, its product with
  * x once, the difference with the tile's place once more, so that x is off by less than 2u·R with R = the largest x or
- * y of a ray in the tile plus 64 plus twice the triangle's extent (its width and height together). An edge function
- * about a pixel within its box, e0 = x1·y2 - y1·x2 and so on, is then off by less than D = 5u·R·extent: 4u·R·extent
- * from corners, 3u of each product from its own roundings. Where rays lie beside their pixels' places, up to twice as
- * far beside the box, twice that on either side is added to the extent in D. Beyond D the sign is sure. The three make
- * up twice the area, so that its sign is sure beyond 4D; where it is not, some edge function is within 2D of 0.
+ * y of a ray in the tile plus two tiles plus twice the triangle's extent (its width and height together). An edge
+ * function about a pixel within its box, e0 = x1·y2 - y1·x2 and so on, is then off by less than D = 5u·R·extent:
+ * 4u·R·extent from corners, 3u of each product from its own roundings. Where rays lie beside their pixels' places, up
+ * to twice as far beside the box, twice that on either side is added to the extent in D. Beyond D the sign is sure. The
+ * three make up twice the area, so that its sign is sure beyond 4D; where it is not, some edge function is within 2D of
+ * 0.
  *
  * Depth: the pixel is the mean of the corners, weighted by the edge functions, and so is 1/z. With weights that are off
  * by D, and their sum by as much again, the mean is off by less than 4D·(the largest 1/z - the least)/sum, and by 16u
@@ -38,7 +39,7 @@ DAFT_INLINE void edges_at(const vf a[3], const vf b[3], vf e[3])
 /* An instance as a tile sees it: copied, since what is stored might be in its place as far as a compiler knows. */
 typedef struct lens {
     daft_affine map;
-    float focal, left, top, last_x, last_y, reach, slack;
+    float focal, left, top, last_x, last_y, side, reach, slack;
     bool closely; /* no triangle counts as small */
     bool clips;
     float clip[4];
@@ -47,8 +48,8 @@ typedef struct lens {
 DAFT_INLINE lens lens_of(const daft_tile_job *job, const daft_view_instance *view)
 {
     bool closely = job->pencil.intersection == DAFT_INTERSECT_WATERTIGHT;
-    lens v = {view->to_view,        job->pencil.focal, job->left, job->top,   job->last_x, job->last_y,
-              daft_tile_reach(job), job->slack,        closely,   job->clips, {0}};
+    lens v = {view->to_view, job->pencil.focal,    job->left,  job->top, job->last_x, job->last_y,
+              job->side,     daft_tile_reach(job), job->slack, closely,  job->clips,  {0}};
     if (v.clips) memcpy(v.clip, job->clip, sizeof v.clip);
     return v;
 }
@@ -89,12 +90,12 @@ DAFT_INLINE vbits may_be_seen(const lens *v, const spot at[3], const vf3 *corner
     vf min = vf_min(vf_min(corner[0].z, corner[1].z), corner[2].z),
        max = vf_max(vf_max(corner[0].z, corner[1].z), corner[2].z);
     vm front = vf_lt(zero, min);
-    low_x = vf_if_then_else(front, low_x, zero), high_x = vf_if_then_else(front, high_x, vf_set(DAFT_TILE));
-    low_y = vf_if_then_else(front, low_y, zero), high_y = vf_if_then_else(front, high_y, vf_set(DAFT_TILE));
+    low_x = vf_if_then_else(front, low_x, zero), high_x = vf_if_then_else(front, high_x, vf_set(v->side));
+    low_y = vf_if_then_else(front, low_y, zero), high_y = vf_if_then_else(front, high_y, vf_set(v->side));
     vbits out = ~vbits_from_mask(vf_lt(zero, max));
     *little &= vbits_from_mask(front);
-    pixel_range(low_x, high_x, v->last_x, 2 * DAFT_TILE, v->slack, &b->x0, &b->x1);
-    pixel_range(low_y, high_y, v->last_y, 2 * DAFT_TILE, v->slack, &b->y0, &b->y1);
+    pixel_range(low_x, high_x, v->last_x, 2 * v->side, v->slack, &b->x0, &b->x1);
+    pixel_range(low_y, high_y, v->last_y, 2 * v->side, v->slack, &b->y0, &b->y1);
     *little &= vbits_from_mask(vi_lt((b->x1 - b->x0) | (b->y1 - b->y0), vi_set(2)));
     return DAFT_ALL_LANES & ~(out | vbits_from_mask(vi_lt(b->x1, b->x0)) | vbits_from_mask(vi_lt(b->y1, b->y0)));
 }
@@ -224,6 +225,7 @@ DAFT_INLINE void small_setup(const daft_tile_job *job, bool exact, const vf x[3]
 DAFT_INLINE void cover(const daft_tile_job *job, bool exact, bool turned, const daft_small *from, uint32_t at,
                        coverage *c, uint32_t i)
 {
+    const int stride = turned ? DAFT_FINE_SIDE : DAFT_TILE_STRIDE;
     vf x[3], y[3], scale[3];
     box b;
     small s;
@@ -237,7 +239,7 @@ DAFT_INLINE void cover(const daft_tile_job *job, bool exact, bool turned, const 
           below = vbits_from_mask(vi_lt(b.y0, b.y1));
     small_setup(job, exact, x, y, scale, b.x0, b.y0, &s);
     if (!exact) lanes &= vbits_from_mask(vf_lt(vf_abs(s.slope[0]) + vf_abs(s.slope[1]), vf_set(INFINITY)));
-    vi_store(c->place[i], b.y0 * DAFT_TILE_STRIDE + b.x0 + ((vi_iota() + vi_set((int32_t)at)) << DAFT_HIT_TRIANGLE));
+    vi_store(c->place[i], b.y0 * vi_set(stride) + b.x0 + ((vi_iota() + vi_set((int32_t)at)) << DAFT_HIT_TRIANGLE));
     const vbits of[PIXELS] = {lanes, lanes & right, lanes & below, lanes & right & below};
     for (int pixel = 0; pixel < PIXELS; pixel++) {
         vf dx, dy;
@@ -257,10 +259,12 @@ static __attribute__((noinline)) void add_doubted(const daft_small *from, const 
     }
 }
 
-DAFT_INLINE uint32_t add_hits(bool exact, const coverage *c, uint32_t i, int pixel, uint32_t n, daft_hits *out)
+DAFT_INLINE uint32_t add_hits(bool exact, bool turned, const coverage *c, uint32_t i, int pixel, uint32_t n,
+                              daft_hits *out)
 {
+    const int stride = turned ? DAFT_FINE_SIDE : DAFT_TILE_STRIDE;
     vbits lanes = c->lanes[i][pixel];
-    vi place = vi_load(c->place[i]) + vi_set((pixel >> 1) * DAFT_TILE_STRIDE + (pixel & 1));
+    vi place = vi_load(c->place[i]) + vi_set((pixel >> 1) * stride + (pixel & 1));
     if (exact) {
         place |= vi_if_then_else(vm_from_bits(c->unsure[i][pixel]), vi_set(DAFT_HIT_UNSURE), vi_set(0));
         vf_compress_store(&out->high[n], lanes, vf_load(c->high[i][pixel]));
@@ -278,7 +282,7 @@ DAFT_INLINE void find_hits(const daft_tile_job *job, bool exact, bool turned, co
         uint32_t count = daft_min_u((from->count - first + DAFT_VL - 1) / DAFT_VL, BATCHES);
         for (uint32_t i = 0; i < count; i++) cover(job, exact, turned, from, first + i * DAFT_VL, &c, i);
         for (uint32_t i = 0; i < count; i++) {
-            for (int pixel = 0; pixel < PIXELS; pixel++) n = add_hits(exact, &c, i, pixel, n, out);
+            for (int pixel = 0; pixel < PIXELS; pixel++) n = add_hits(exact, turned, &c, i, pixel, n, out);
             vbits unsure = exact ? c.unsure[i][0] | c.unsure[i][1] | c.unsure[i][2] | c.unsure[i][3] : 0;
             if (unsure) add_doubted(from, c.place[i], unsure, out);
         }

@@ -81,7 +81,7 @@ tile_job daft_tile_again(daft_frame *frame, uint32_t index, uint32_t worker)
                   .worker = worker,
                   .refines = true,
                   .since = daft_clock_ticks()};
-    daft_tile_place(&j.r->raster, j.number, NULL, &j.s->tile);
+    daft_tile_place(&j.r->raster, j.number, &j.s->tile);
     return j;
 }
 

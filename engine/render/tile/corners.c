@@ -76,7 +76,7 @@ void daft_corners_tile(void *context, uint32_t task, uint32_t worker)
     tile_job j = daft_tile_again(frame, index, worker);
     daft_redraw_tile(&j);
     const daft_neighbours around = daft_tile_neighbours(&j);
-    daft_tile_part part = {.scale = 1, .shift_x = -0.5f, .shift_y = 0.5f}; /* upper left corners */
+    daft_tile_part part = {.shift_x = -0.5f, .shift_y = 0.5f}; /* upper left corners */
     uint32_t fresh[DAFT_TILE], *words = words_of(&j, index);
     if (find_corners(&j, index, &around, part.asked)) {
         const daft_pencil pencil = daft_part_pencil(&frame->pencil, &part);

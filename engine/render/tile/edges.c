@@ -2,8 +2,9 @@
  * pixels that disagree with a neighbour get up to sixteen more, by the rays of a grid four times as fine, turned by
  * atan(1/4), so that each of a pixel's rays lies in a row and a column of its own: an edge along either axis has
  * sixteen steps. (Straight, it would have four: Cook, "Stochastic Sampling in Computer Graphics", TOG 5(1), 1986, on
- * regular patterns.) The tile draws a sixteenth of the grid at a time: instances stay in their bins, and rays that
- * nobody asks for count as hidden, so that trees are walked for what is left.
+ * regular patterns.) A tile asks what all of them see at once: instances stay in their bins, and pixels that ask for
+ * nothing count as hidden, so that trees are walked for what is left, once. Then rays are shaded by parts of the tile,
+ * so that those of a batch are neighbours.
  *
  * Beside an outline, where another triangle begins, all rays are asked what they see, which costs a coverage test. Of
  * those that see the same, some are shaded and speak for the others, by what that is and how much changes; the pixel's
@@ -34,9 +35,8 @@ typedef struct refinement {
     tile_job *j;
     daft_neighbours around; /* the tile, in the picture with one sample a pixel */
     daft_edges edges;
-    daft_tile_part part;
-    daft_edge_part rays;
-    daft_pencil pencil; /* of rays two by two to a pixel: what one in four of sixteen stands for */
+    daft_edge_part rays; /* and the part at work */
+    daft_pencil pencil;  /* of rays two by two to a pixel: what one in four of sixteen stands for */
 } refinement;
 
 /* Whether the tile and those beside it see nothing but the sky. */
@@ -75,41 +75,6 @@ static uint32_t pixels_of(const refinement *r, int y)
     return part_of(r, r->edges.outline[py] | r->edges.inner[py]);
 }
 
-/* Every bit becomes the lowest one of four. */
-static uint32_t spread(uint32_t bits)
-{
-    bits = (bits | bits << 12) & 0x000f000f;
-    bits = (bits | bits << 6) & 0x03030303;
-    return (bits | bits << 3) & 0x11111111;
-}
-
-/* Asks for all rays of pixels at an outline, for some of others. */
-static void ask(refinement *r)
-{
-    for (int y = 0; y < SPAN; y++) {
-        const int py = r->rays.top + y;
-        const uint32_t outline = spread(part_of(r, r->edges.outline[py])) * 15;
-        uint32_t *asked = &r->part.asked[SCALE * y];
-        for (int row = 0; row < SCALE; row++) asked[row] = outline;
-        for (uint32_t left = part_of(r, r->edges.inner[py]); left; left &= left - 1) {
-            const int x = __builtin_ctz(left), px = r->rays.left + x;
-            const uint32_t kind = daft_first_kind(&r->around, px, py),
-                           rays = DAFT_EDGE_INNER[kind][daft_edge_level(&r->edges, px, py)];
-            for (int row = 0; row < SCALE; row++) asked[row] |= (rays >> SCALE * row & 15) << SCALE * x;
-        }
-    }
-}
-
-/* Counts the part's rays for its pixels. */
-static void count_rays(const refinement *r)
-{
-    for (int y = 0; y < DAFT_TILE; y++)
-        for (uint32_t left = r->part.asked[y]; left; left &= left - 1) {
-            const int px = r->rays.left + __builtin_ctz(left) / SCALE, py = r->rays.top + y / SCALE;
-            daft_cost_ask(r->j, (uint32_t)(py * DAFT_TILE + px), 1);
-        }
-}
-
 static daft_edge_rays fresh_of(daft_scratch *s)
 {
     return (daft_edge_rays){.list = &s->fresh, .wanted = s->wanted, .share = s->share, .own = s->own};
@@ -144,22 +109,40 @@ static void take(refinement *r, int y)
 
 static void refine_part(refinement *r, int number)
 {
-    uint32_t any = 0;
-    r->part.number = number;
     r->rays.left = number % SCALE * SPAN, r->rays.top = number / SCALE * SPAN;
-    for (int y = 0; y < SPAN; y++) any |= pixels_of(r, y);
-    if (!any) return;
-    r->j->part = &r->part;
-    ask(r);
-    if (r->j->frame->target->aov.cost) count_rays(r);
-    daft_tile_see(r->j, &r->j->s->fine);
-    const daft_pencil whole = daft_part_pencil(&r->j->frame->pencil, &(daft_tile_part){.scale = SCALE});
-    const daft_vec3 first = daft_pencil_ray(&whole, r->j->s->fine.x, r->j->s->fine.y);
-    r->rays.x = first.x, r->rays.y = first.y;
     for (int y = 0; y < SPAN; y++) take(r, y);
 }
 
 /* ---- a tile ------------------------------------------------------------------------------------------------------ */
+
+/* All rays of pixels at an outline, some of others. */
+static uint32_t rays_of(const refinement *r, int x, int y)
+{
+    if (r->edges.outline[y] >> x & 1) return DAFT_EDGE_ALL;
+    return DAFT_EDGE_INNER[daft_first_kind(&r->around, x, y)][daft_edge_level(&r->edges, x, y)];
+}
+
+static void ask(const refinement *r, daft_fine_tile *fine)
+{
+    for (int y = 0; y < DAFT_TILE; y++) {
+        fine->pixels[y] = r->edges.outline[y] | r->edges.inner[y];
+        for (uint32_t left = fine->pixels[y]; left; left &= left - 1) {
+            const int x = __builtin_ctz(left);
+            fine->asked[DAFT_TILE * y + x] = (uint16_t)rays_of(r, x, y);
+        }
+    }
+}
+
+static void see(refinement *r)
+{
+    const daft_tile *tile = &r->j->s->tile;
+    daft_fine_tile *fine = &r->j->s->fine;
+    ask(r, fine);
+    daft_tile_see_fine(r->j, fine);
+    const daft_pencil pencil = daft_scaled_pencil(&r->j->frame->pencil, SCALE);
+    const daft_vec3 first = daft_pencil_ray(&pencil, SCALE * tile->x, SCALE * tile->y);
+    r->rays.x = first.x, r->rays.y = first.y;
+}
 
 /* The mean of a pixel's samples; `own`: the first one. That counts as one of the few that were shaded, and beside an
  * outline for those that see the same. */
@@ -198,17 +181,17 @@ void daft_refine_tile(void *context, uint32_t index, uint32_t worker)
     daft_frame *frame = context;
     if (atomic_load_explicit(&frame->cancelled, memory_order_relaxed)) return;
     tile_job j = daft_tile_again(frame, index, worker);
-    refinement r = {.j = &j, .part = {.scale = SCALE, .turn = DAFT_EDGE_TURN}, .rays.rays = &j.s->fine};
-    r.pencil = daft_part_pencil(&frame->pencil, &(daft_tile_part){.scale = SCALE / 2});
+    refinement r = {.j = &j, .rays.rays = &j.s->fine};
+    r.pencil = daft_scaled_pencil(&frame->pencil, SCALE / 2);
     if (all_sky(&j, index)) {
         memset(&r.edges, 0, sizeof r.edges);
     } else if (find_edges(&j, &r.around, &r.edges)) {
         memset(&j.s->sum, 0, sizeof j.s->sum);
         j.s->fresh.count = 0;
         r.rays.edges = &r.edges, r.rays.first = &r.around;
+        see(&r);
         for (int i = 0; i < SCALE * SCALE; i++) refine_part(&r, i);
         shade_fresh(&r);
-        daft_tile_place(&j.r->raster, j.number, NULL, &j.s->tile);
         for (int y = 0; y < j.s->tile.height; y++) write_row(&r, &j.s->tile, y);
         ran(&j, DAFT_EFFECT_ANTIALIASING);
     }

@@ -22,6 +22,25 @@ void daft_tile_see(tile_job *j, daft_tile *out)
     book(j, DAFT_EFFECT_VISIBILITY);
 }
 
+void daft_tile_see_fine(tile_job *j, daft_fine_tile *out)
+{
+    daft_scratch *s = j->s;
+    s->last_stop.instance = DAFT_NO_LEAF;
+    if (j->snapshot->quality.tree != DAFT_TREE_RASTER)
+        daft_reference_fine(&j->r->raster, j->frame->tlas, j->number, out);
+    else
+        j->r->raster_kernels->fine(&j->r->raster, j->number, j->worker, out);
+    for (int y = 0; y < DAFT_TILE; y++)
+        for (uint32_t left = out->pixels[y]; left; left &= left - 1) {
+            const uint32_t pixel = (uint32_t)(y * DAFT_TILE + __builtin_ctz(left)),
+                           rays = (uint32_t)__builtin_popcount(out->asked[pixel]);
+            s->rays_cast[DAFT_EFFECT_ANTIALIASING] += rays;
+            daft_cost_ask(j, pixel, rays);
+        }
+    ran(j, DAFT_EFFECT_VISIBILITY);
+    book(j, DAFT_EFFECT_VISIBILITY);
+}
+
 void daft_tile_surfaces(tile_job *j, const daft_pencil *pencil, const daft_seen_list *list)
 {
     const daft_frame *frame = j->frame;

@@ -46,6 +46,8 @@ static inline void ran(tile_job *j, daft_effect_kind effect)
 /* tile.c: what the pixels see; their points, or those of a list, by rays of the pencil; and their light, in j->color.
  */
 void daft_tile_see(tile_job *j, daft_tile *out);
+/* The rays that `out` asks for. */
+void daft_tile_see_fine(tile_job *j, daft_fine_tile *out);
 void daft_tile_surfaces(tile_job *j, const daft_pencil *pencil, const daft_seen_list *list);
 void daft_tile_shade(tile_job *j);
 /* Tells the user how far the picture is, and whether to go on. */

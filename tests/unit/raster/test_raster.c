@@ -9,10 +9,11 @@ enum { WIDTH = 150, HEIGHT = 97 }; /* neither a multiple of a tile nor of a lane
 
 enum { TILES = ((WIDTH + DAFT_TILE - 1) / DAFT_TILE) * ((HEIGHT + DAFT_TILE - 1) / DAFT_TILE) };
 
-/* Of the picture, and of a part of each tile with sixteen turned rays a pixel. */
+/* Of the picture; of some of each tile's pixels by rays beside their middles; and of some by sixteen turned rays. */
+enum { RAYS = DAFT_TILE * DAFT_TILE * DAFT_FINE_RAYS };
 typedef struct ids {
     uint32_t instance[WIDTH * HEIGHT], triangle[WIDTH * HEIGHT];
-    uint32_t fine[TILES * DAFT_TILE * DAFT_TILE][2];
+    uint32_t beside[TILES * DAFT_TILE * DAFT_TILE][2], fine[TILES * RAYS][2];
 } ids;
 
 typedef struct setting {
@@ -43,10 +44,10 @@ static void keep_tile(const daft_tile *tile, ids *out)
         }
 }
 
-/* Parts in turn, of every other tile only some rays. */
+/* Of every other tile all pixels, of others some. */
 static daft_tile_part part_of(uint32_t tile)
 {
-    daft_tile_part part = {.scale = 4, .number = (int)(tile * 5 % 16), .turn = 0.25f};
+    daft_tile_part part = {.shift_x = -0.5f, .shift_y = 0.25f};
     for (uint32_t y = 0; y < DAFT_TILE; y++)
         part.asked[y] = tile % 2 ? UINT32_MAX : (tile * DAFT_TILE + y + 1) * 2654435761u;
     return part;
@@ -56,9 +57,31 @@ static void keep_part(const daft_tile *tile, uint32_t number, ids *out)
 {
     for (int y = 0; y < tile->height; y++)
         for (int x = 0; x < tile->width; x++) {
-            uint32_t *to = out->fine[(number * DAFT_TILE + (uint32_t)y) * DAFT_TILE + (uint32_t)x];
+            uint32_t *to = out->beside[(number * DAFT_TILE + (uint32_t)y) * DAFT_TILE + (uint32_t)x];
             to[0] = tile->instance[y * DAFT_TILE_STRIDE + x], to[1] = tile->triangle[y * DAFT_TILE_STRIDE + x];
         }
+}
+
+/* Within the picture: all rays of some pixels or, of every other tile, some rays of more. */
+static void fine_of(uint32_t tile, const daft_tile *place, daft_fine_tile *out)
+{
+    for (uint32_t y = 0; y < DAFT_TILE; y++) {
+        const uint32_t hash = (tile * DAFT_TILE + y + 1) * 2654435761u, few = hash & hash >> 7 & hash >> 13,
+                       columns = place->width == DAFT_TILE ? UINT32_MAX : (1u << place->width) - 1;
+        out->pixels[y] = (int)y < place->height ? columns & (tile % 2 ? few : hash & hash >> 9) : 0;
+        for (uint32_t x = 0; x < DAFT_TILE; x++)
+            out->asked[DAFT_TILE * y + x] = (uint16_t)(tile % 2 ? 0xffff : 1u << (hash + x) % 16 | 0x0201);
+    }
+}
+
+static void keep_fine(const daft_fine_tile *tile, uint32_t number, ids *out)
+{
+    for (uint32_t i = 0; i < RAYS; i++) {
+        const uint32_t pixel = i / DAFT_FINE_RAYS;
+        if (!(tile->pixels[pixel / DAFT_TILE] >> pixel % DAFT_TILE & 1)) continue;
+        uint32_t *to = out->fine[number * RAYS + i];
+        to[0] = tile->instance[i], to[1] = tile->triangle[i];
+    }
 }
 
 /* isa < 0: the reference path. Work is dealt to the workers in turn, as threads might take it. */
@@ -73,24 +96,26 @@ static void see(const setting *s, int isa, int workers, ids *out)
     assert_true(daft_raster_begin(&raster, &s->pencil, s->instances, s->count, &error));
     const daft_tlas *tlas = daft_tlas_build(&arena, s->instances, s->count, &error);
     assert_non_null(tlas);
+    const daft_raster_kernels *kernels = daft_raster_kernels_for(isa < 0 ? 0 : isa);
     daft_tile *tile = malloc(sizeof *tile);
+    daft_fine_tile *fine = aligned_alloc(64, sizeof *fine);
     for (uint32_t i = 0; i < raster.work_count; i++) daft_raster_bin(&raster, i, i % (uint32_t)workers);
     for (uint32_t i = 0; i < (uint32_t)(raster.tiles_x * raster.tiles_y); i++) {
+        const daft_tile_part part = part_of(i);
+        const uint32_t worker = i % (uint32_t)workers;
         if (isa >= 0)
-            daft_raster_kernels_for(isa)->tile(&raster, i, i % (uint32_t)workers, NULL, tile);
+            kernels->tile(&raster, i, worker, NULL, tile);
         else
             daft_reference_tile(&raster, tlas, i, NULL, tile);
         keep_tile(tile, out);
-        const daft_tile_part part = part_of(i);
-        daft_tile_place(&raster, i, &part, tile);
-        if (tile->width <= 0 || tile->height <= 0) continue; /* beyond the picture */
+        fine_of(i, tile, fine);
         if (isa >= 0)
-            daft_raster_kernels_for(isa)->tile(&raster, i, i % (uint32_t)workers, &part, tile);
+            kernels->tile(&raster, i, worker, &part, tile), kernels->fine(&raster, i, worker, fine);
         else
-            daft_reference_tile(&raster, tlas, i, &part, tile);
-        keep_part(tile, i, out);
+            daft_reference_tile(&raster, tlas, i, &part, tile), daft_reference_fine(&raster, tlas, i, fine);
+        keep_part(tile, i, out), keep_fine(fine, i, out);
     }
-    free(tile);
+    free(tile), free(fine);
     daft_raster_free(&raster);
     daft_arena_free(&arena);
 }
@@ -120,11 +145,17 @@ static uint32_t agree(const setting *s, const char *name)
                 fail_msg("%s, %s, %d workers: %d pixels differ, first (%d, %d): reference %u/%u, pencil %u/%u", name,
                          daft_isa_name(isa), workers, wrong, first % WIDTH, first / WIDTH, reference->instance[first],
                          reference->triangle[first], pencil->instance[first], pencil->triangle[first]);
+            for (uint32_t i = 0; i < DAFT_COUNT_OF(reference->beside); i++)
+                if (memcmp(reference->beside[i], pencil->beside[i], sizeof pencil->beside[i]) != 0)
+                    fail_msg("%s, %s, %d workers, beside, tile %u: pixel %u, reference %u/%u, pencil %u/%u", name,
+                             daft_isa_name(isa), workers, i / (DAFT_TILE * DAFT_TILE), i % (DAFT_TILE * DAFT_TILE),
+                             reference->beside[i][0], reference->beside[i][1], pencil->beside[i][0],
+                             pencil->beside[i][1]);
             for (uint32_t i = 0; i < DAFT_COUNT_OF(reference->fine); i++)
                 if (memcmp(reference->fine[i], pencil->fine[i], sizeof pencil->fine[i]) != 0)
-                    fail_msg("%s, %s, %d workers, the part of tile %u: ray %u, reference %u/%u, pencil %u/%u", name,
-                             daft_isa_name(isa), workers, i / (DAFT_TILE * DAFT_TILE), i % (DAFT_TILE * DAFT_TILE),
-                             reference->fine[i][0], reference->fine[i][1], pencil->fine[i][0], pencil->fine[i][1]);
+                    fail_msg("%s, %s, %d workers, fine, tile %u: ray %u, reference %u/%u, pencil %u/%u", name,
+                             daft_isa_name(isa), workers, i / RAYS, i % RAYS, reference->fine[i][0],
+                             reference->fine[i][1], pencil->fine[i][0], pencil->fine[i][1]);
         }
     }
     uint32_t seen = pixels_seen(reference);
