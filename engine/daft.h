@@ -1389,7 +1389,7 @@ typedef struct daft_counters {
     uint64_t tiles_drawn;  /* of 32 × 32 pixels; fewer than the picture has where daft_view.history knew the rest */
     uint64_t exact_edges;  /* edge tests that floats could not decide */
     uint64_t exact_depths; /* depth comparisons that floats could not decide */
-    uint64_t shadow_points_kept; /* lit points under some occluder's bound: the only ones that cast a ray */
+    uint64_t shadow_points_kept; /* lit points that something may hide: the only ones that cast a ray */
     uint64_t alpha_rays;         /* towards lights and around, that met the bounds of surfaces with alpha */
     uint64_t alpha_reads;        /* hits of these for which the texture was read: of triangles that it covers in part */
     uint64_t mesh_builds;        /* BVHs built since the scene was made */

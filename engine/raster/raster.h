@@ -152,8 +152,8 @@ typedef struct daft_filtered {
 typedef struct daft_sample_kernels {
     size_t scratch_size; /* of a worker, at a multiple of 64 bytes */
     /* Clears the bits of the points that the instance hides from the light or, with DAFT_NOTHING, that any of
-     * DAFT_INSTANCE_CASTS_SHADOW does. Gives the number of points whose ray met its bounds, the only ones that were
-     * tested. */
+     * DAFT_INSTANCE_CASTS_SHADOW does. Gives the number of points that were tested: whose ray met its bounds, where the
+     * shaft of all points is not known to be clear. */
     uint32_t (*shadows)(const daft_samples *points, const daft_apex *light, const daft_tlas *tlas, uint32_t instance,
                         uint32_t bits[DAFT_SAMPLES_WORDS], void *scratch);
     /* The instances of DAFT_INSTANCE_TINTS_SHADOW whose bounds some point's ray meets; their number, or UINT32_MAX

@@ -35,9 +35,11 @@ static float widen(float low, float high)
     return (high - low) * 1e-5f + (fabsf(low) + fabsf(high)) * 0x1p-20f + TINY;
 }
 
-/* The extent of the points. False: some lie beside or behind the light, and no picture plane holds them all. */
-bool DAFT_KERNEL(daft_cast_measure)(light_view *l, const daft_samples *b, const uint32_t *bits)
+bool DAFT_KERNEL(daft_cast_measure)(cast *c)
 {
+    light_view *l = &c->view;
+    const daft_samples *b = c->samples;
+    const uint32_t *bits = c->asked;
     const vf inf = vf_set(INFINITY);
     const daft_vec3 first = first_point(b, bits);
     vf lu = inf, lv = inf, ld = inf, hu = -inf, hv = -inf, hd = -inf, ax = vf_set(0), ay = ax;
@@ -45,6 +47,7 @@ bool DAFT_KERNEL(daft_cast_measure)(light_view *l, const daft_samples *b, const 
         vbits in = bits_at(bits, i);
         if (!in) continue;
         vf3 p = to_view_space(&l->pencil, asked_points(b, in, i, first));
+        vf_store(&c->place[0][i], p.x), vf_store(&c->place[1][i], p.y), vf_store(&c->place[2][i], p.z);
         const picture_place seen = picture_of(l, p);
         lu = vf_min(seen.u, lu), hu = vf_max(seen.u, hu), lv = vf_min(seen.v, lv), hv = vf_max(seen.v, hv);
         ld = vf_min(p.z, ld), hd = vf_max(p.z, hd);
@@ -122,17 +125,17 @@ void DAFT_KERNEL(daft_cast_points)(cast *c)
 
 /* The bound is grown by 2^-20 of what there is in coordinates: over the roundings of rays, planes and distances, each a
  * few 2^-24 of them. */
-static bound grown_bound(const cast *c, const daft_instance *s)
+static frame_box grown_bound(const cast *c, const daft_instance *s)
 {
     daft_vec3 h = daft_max3(daft_neg(s->low), s->high);
     float pad = (c->view.reach + fabsf(h.x) + fabsf(h.y) + fabsf(h.z)) * 0x1p-20f;
     daft_vec3 by = daft_v3(pad, pad, pad);
-    return (bound){daft_sub(s->low, by), daft_add(s->high, by)};
+    return (frame_box){daft_sub(s->low, by), daft_add(s->high, by)};
 }
 
 /* Whether rays from between the points' corners have left the bound on one axis before they come to it on another.
  * Along an axis they go between `slow` and `fast` of their length, towards the light. */
-static bool rays_apart(const cast *c, const bound *s)
+static bool rays_apart(const cast *c, const frame_box *s)
 {
     const daft_apex *light = c->light;
     const float to[3] = {light->at.x, light->at.y, light->at.z};
@@ -153,7 +156,7 @@ static bool rays_apart(const cast *c, const bound *s)
 }
 
 /* Whether all the rays stay clear of the bound, as far as the box around them tells. */
-static bool rays_clear(const cast *c, const bound *s)
+static bool rays_clear(const cast *c, const frame_box *s)
 {
     const daft_apex *light = c->light;
     const float to[3] = {light->at.x, light->at.y, light->at.z}, low[3] = {c->low.x, c->low.y, c->low.z},
@@ -166,17 +169,52 @@ static bool rays_clear(const cast *c, const bound *s)
     return rays_apart(c, s);
 }
 
+/* Whether all of a mesh or sphere lies in the box that rays end before, by its own bounds. */
+static bool lies_in_box(const daft_slanted_box *box, const daft_instance *s)
+{
+    const float *m = s->to_frame.m, *t = s->to_frame.t;
+    const double r = (double)s->radius;
+    daft_dvec3 middle = daft_dv3((double)t[0], (double)t[1], (double)t[2]),
+               half[3] = {daft_dv3(r, 0, 0), daft_dv3(0, r, 0), daft_dv3(0, 0, r)};
+    for (int j = 0; s->mesh && j < 3; j++) {
+        const double low = (double)daft_v3_at(s->mesh->low, j), high = (double)daft_v3_at(s->mesh->high, j);
+        const daft_dvec3 column = daft_dv3((double)m[j], (double)m[3 + j], (double)m[6 + j]);
+        half[j] = daft_dscale(column, (high - low) / 2);
+        middle = daft_dadd(middle, daft_dscale(column, (high + low) / 2));
+    }
+    middle = daft_dsub(middle, daft_to_double(box->middle));
+    for (int k = 0; k < 3; k++) {
+        const daft_dvec3 axis = daft_to_double(box->axes[k]);
+        double reach = fabs(daft_ddot(axis, middle));
+        for (int j = 0; j < 3; j++) reach += fabs(daft_ddot(axis, half[j]));
+        if (!(reach < 1)) return false;
+    }
+    return true;
+}
+
+/* Whether the instance lies where no ray goes, as what glows does to its own light. */
+static bool lies_past_ends(const daft_apex *light, const daft_instance *s)
+{
+    if (light->infinite) return false;
+    if (light->box && lies_in_box(light->box, s)) return true;
+    if (!(light->around > 0) || s->mesh) return false;
+    const daft_dvec3 to =
+        daft_dsub(daft_dv3((double)s->to_frame.t[0], (double)s->to_frame.t[1], (double)s->to_frame.t[2]),
+                  daft_to_double(light->at));
+    return sqrt(daft_ddot(to, to)) + (double)s->radius < (double)light->around * (1 - 1e-6);
+}
+
 /* Whether the rays may meet the instance in its bound: neither a convex instance nor a flat one shadows its own points.
  */
-bool DAFT_KERNEL(daft_cast_may_shadow)(const cast *c, uint32_t number, bound *box)
+bool DAFT_KERNEL(daft_cast_may_shadow)(const cast *c, uint32_t number, frame_box *box)
 {
     const daft_instance *s = &c->tlas->instances[number];
     if (number == c->sole && (s->flags & DAFT_INSTANCE_CONVEX || is_flat(s))) return false;
     *box = grown_bound(c, s);
-    return !rays_clear(c, box);
+    return !rays_clear(c, box) && !lies_past_ends(c->light, s);
 }
 
-static bool holds_points(const cast *c, const bound *s)
+static bool holds_points(const cast *c, const frame_box *s)
 {
     daft_vec3 low = daft_min3(s->low, c->low), high = daft_max3(s->high, c->high);
     return low.x == s->low.x && low.y == s->low.y && low.z == s->low.z && high.x == s->high.x && high.y == s->high.y &&
@@ -196,7 +234,7 @@ DAFT_INLINE void slab_axis(slab *s, vf low, vf high, vf p, vf inverse)
 }
 
 /* The bits of the DAFT_VL points from i on whose rays meet the bound. */
-DAFT_INLINE vbits rays_meet(const cast *c, const bound *s, uint32_t i)
+DAFT_INLINE vbits rays_meet(const cast *c, const frame_box *s, uint32_t i)
 {
     const daft_points3 *p = &c->samples->origin;
     slab t = {vf_set(0), vf_set(c->light->infinite ? INFINITY : 1.00001f)};
@@ -208,7 +246,7 @@ DAFT_INLINE vbits rays_meet(const cast *c, const bound *s, uint32_t i)
 
 /* Marks the points whose ray to the light meets the bound; gives whether there is one. Neither a convex instance nor a
  * flat one shadows its own points. */
-bool DAFT_KERNEL(daft_cast_mark_under)(cast *c, const bound *box, const daft_instance *s, uint32_t number)
+bool DAFT_KERNEL(daft_cast_mark_under)(cast *c, const frame_box *box, const daft_instance *s, uint32_t number)
 {
     const daft_samples *b = c->samples;
     bool any = false, convex = s->flags & DAFT_INSTANCE_CONVEX, flat = is_flat(s), all = holds_points(c, box);
@@ -230,11 +268,20 @@ bool DAFT_KERNEL(daft_cast_mark_under)(cast *c, const bound *box, const daft_ins
 /* Remembers the instance, one of a node's children, if points may lie under it. */
 static void remember(cast *c, uint32_t number, const node_boxes *boxes, int i)
 {
-    bound box;
+    frame_box box;
+    picture_box seen = node_child(boxes, i);
+    const uint32_t first = c->shaft_count;
+    uint32_t blocks = 0;
     if (!DAFT_KERNEL(daft_cast_may_shadow)(c, number, &box)) return;
+    if (c->sifts) {
+        const shaft_answer found = DAFT_KERNEL(daft_cast_shaft)(c, number, &seen, &blocks);
+        if (found == SHAFT_CLEAR) return;
+        c->dark = found == SHAFT_DARK;
+    }
     if (c->occluder_count < DAFT_MAX_OCCLUDERS) {
         c->occluder[c->occluder_count].number = number;
-        c->occluder[c->occluder_count].box = node_child(boxes, i);
+        c->occluder[c->occluder_count].box = seen;
+        c->occluder[c->occluder_count].first = first, c->occluder[c->occluder_count].blocks = blocks;
     }
     c->occluder_count++;
 }
@@ -246,7 +293,7 @@ static void mark_occluders(cast *c)
     memset(c->under, 0, sizeof c->under);
     for (uint32_t i = 0; i < c->occluder_count; i++) {
         const daft_instance *s = &c->tlas->instances[c->occluder[i].number];
-        const bound box = grown_bound(c, s);
+        const frame_box box = grown_bound(c, s);
         if (DAFT_KERNEL(daft_cast_mark_under)(c, &box, s, c->occluder[i].number)) c->occluder[kept++] = c->occluder[i];
     }
     c->occluder_count = kept;
@@ -271,16 +318,17 @@ bool DAFT_KERNEL(daft_cast_find_occluders)(cast *c, uint32_t max, uint32_t looks
 {
     uint32_t stack[DAFT_STACK], looked = 0;
     int top = 0;
-    c->occluder_count = 0;
+    c->occluder_count = c->shaft_count = c->sifted = c->tried = c->hiders = 0, c->keeps = false, c->dark = false;
+    memset(c->hidden, 0, sizeof c->hidden);
     if (c->only != DAFT_NOTHING)
         find_one(c);
     else
         stack[top++] = 0;
-    while (top > 0 && c->occluder_count <= max) {
-        if (looked++ > looks) return false;
+    while (top > 0 && c->occluder_count <= max && !c->dark && looked++ <= looks) {
         node_boxes boxes;
         const daft_node *node = &c->tlas->nodes.items[stack[--top]];
-        for (uint32_t in = DAFT_KERNEL(daft_node_project)(&c->view, &c->frame_map, node, &boxes); in; in &= in - 1) {
+        uint32_t in = DAFT_KERNEL(daft_node_project)(&c->view, &c->frame_map, node, &boxes);
+        for (; in && !c->dark; in &= in - 1) {
             int i = __builtin_ctz(in);
             uint32_t child = node->child[i], number = child & ~DAFT_CHILD_LEAF;
             if (child == DAFT_CHILD_NONE) continue;
@@ -290,7 +338,12 @@ bool DAFT_KERNEL(daft_cast_find_occluders)(cast *c, uint32_t max, uint32_t looks
                 remember(c, number, &boxes, i);
         }
     }
-    if (c->occluder_count > max) return false;
+    if (c->dark) return true;
+    if (c->hiders) {
+        for (uint32_t word = 0; word < DAFT_SAMPLES_WORDS; word++) c->rest[word] = c->asked[word] & ~c->hidden[word];
+        c->asked = c->rest;
+    }
+    if (top > 0 || c->occluder_count > max) return false;
     mark_occluders(c);
     return true;
 }
@@ -319,7 +372,7 @@ static uint32_t children_met(const cast *c, const daft_node *node)
 /* Whether nothing can stand between the points and the light, as far as is known before the light's picture is. */
 bool DAFT_KERNEL(daft_cast_clear)(const cast *c)
 {
-    bound box;
+    frame_box box;
     uint32_t stack[DAFT_STACK], looked = 0;
     int top = 0;
     if (c->only != DAFT_NOTHING) return !DAFT_KERNEL(daft_cast_may_shadow)(c, c->only, &box);

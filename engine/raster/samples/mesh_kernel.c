@@ -305,6 +305,19 @@ void DAFT_KERNEL(daft_mesh_shadow)(const occluder *c, const block_set *behind)
     walk(&m, behind);
 }
 
+void DAFT_KERNEL(daft_mesh_shadow_by)(const occluder *c, const block_set *behind, const daft_block *const *blocks,
+                                      uint32_t count)
+{
+    mesh_occluder m;
+    leaf list[LIST];
+    DAFT_KERNEL(daft_mesh_occluder_make)(c, &m);
+    for (uint32_t i = 0; i < count; i += LIST) {
+        const uint32_t some = daft_min_u(count - i, LIST);
+        for (uint32_t k = 0; k < some; k++) list[k] = (leaf){blocks[i + k], *behind};
+        flush(&m, list, some);
+    }
+}
+
 void DAFT_KERNEL(daft_mesh_shadow_of)(const occluder *c, const block_points *points, uint32_t count)
 {
     mesh_occluder m;

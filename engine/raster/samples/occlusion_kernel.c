@@ -3,9 +3,10 @@
  *
  *   1. The box around all shadow rays goes down the tree over instances. Mostly nothing is there.
  *   2. The points that face the light are measured in view space: their extent in the light's picture.
- *   3. The tree over instances is walked with that extent. Where it meets few instances, their bounds say which
- *      points' rays meet them, and only these points are kept. Where it meets many, all points are kept, and step 5
- *      marks those behind an instance's bounds.
+ *   3. The tree over instances is walked with that extent, and what it meets is looked at with all points at once
+ *      (shaft_kernel.c): mostly nothing stands between, or some triangle hides all. Where few instances are left, their
+ *      bounds say which points' rays meet them, and only these points are kept. Where many are, all points are kept,
+ *      and step 5 marks those behind an instance's bounds.
  *   4. Points go into blocks of 16 (blocks_kernel.c). The blocks' boxes in the picture are the grid that occluders are
  *      looked up in: fine where the points are dense, coarse where they are not, wherever the light stands.
  *   5. Each instance is walked down to the triangles before a block (mesh_kernel.c), or met as a sphere
@@ -31,20 +32,6 @@ static block_set all_blocks(const shadow_points *p)
     return all;
 }
 
-static occluder occluder_of(const cast *c, uint32_t number, shadow_points *points)
-{
-    const daft_instance *s = &c->tlas->instances[number];
-    return (occluder){.view = &c->view,
-                      .light = c->light,
-                      .samples = c->samples,
-                      .instance = s,
-                      .number = number,
-                      .convex = !c->filtered && s->flags & DAFT_INSTANCE_CONVEX,
-                      .flat = is_flat(s),
-                      .points = points,
-                      .filtered = c->filtered};
-}
-
 /* Of spheres with alpha nothing is known before rays meet them. */
 static void leave_blocks_open(const occluder *one, const block_set *behind)
 {
@@ -67,13 +54,22 @@ static void cast_one(const occluder *one, const block_set *behind)
         DAFT_KERNEL(daft_sphere_occluder_shadow)(one, behind);
 }
 
+/* Of a mesh all whose triangles that may hide points are known. */
+static void cast_known(const occluder *one, const block_set *behind, const daft_block *const *blocks, uint32_t count)
+{
+    DAFT_KERNEL(daft_mesh_shadow_by)(one, behind, blocks, count);
+}
+
 static void cast_remembered(const cast *c, shadow_points *points)
 {
     const block_set all = all_blocks(points);
     block_set behind;
     for (uint32_t i = 0; i < c->occluder_count && points->live; i++) {
         const occluder one = occluder_of(c, c->occluder[i].number, points);
-        if (blocks_narrow(&c->occluder[i].box, points, &all, &behind)) cast_one(&one, &behind);
+        const uint32_t blocks = c->occluder[i].blocks;
+        if (!blocks_narrow(&c->occluder[i].box, points, &all, &behind)) continue;
+        if (!blocks) cast_one(&one, &behind);
+        if (blocks) cast_known(&one, &behind, &c->shaft_blocks[c->occluder[i].first], blocks);
     }
 }
 
@@ -100,7 +96,7 @@ static bool mark_behind(cast *c, const occluder *one, const picture_box *box, bl
     shadow_points *p = one->points;
     bool slow = covers(box, &c->view);
     if (slow) {
-        bound around;
+        frame_box around;
         memset(c->under, 0, sizeof c->under);
         if (!DAFT_KERNEL(daft_cast_may_shadow)(c, one->number, &around) ||
             !DAFT_KERNEL(daft_cast_mark_under)(c, &around, one->instance, one->number))
@@ -242,6 +238,17 @@ static void add_under(const shadow_points *p, uint32_t *under)
         }
 }
 
+/* Takes away the bits of the points that the shaft's triangles hide; gives their number. */
+static uint32_t darken_hidden(const cast *c, uint32_t *bits)
+{
+    uint32_t count = 0;
+    for (uint32_t word = 0; c->hiders && word < DAFT_SAMPLES_WORDS; word++) {
+        bits[word] &= ~c->hidden[word];
+        count += (uint32_t)__builtin_popcount(c->hidden[word]);
+    }
+    return count;
+}
+
 /* The asked points form one pencil, whose light's axes and extent are set. Gives the number of points under something.
  */
 static uint32_t cast_pencil(light_scratch *scratch, uint32_t *bits)
@@ -251,6 +258,8 @@ static uint32_t cast_pencil(light_scratch *scratch, uint32_t *bits)
     uint32_t count = 0;
     c->frame_map = view_map_of(&c->view, c->tlas->nodes.items);
     bool few = DAFT_KERNEL(daft_cast_find_occluders)(c, FEW_OCCLUDERS, FEW_LOOKS);
+    count = darken_hidden(c, bits);
+    if (c->dark) return count;
     if (few) {
         for (uint32_t word = 0; word < DAFT_SAMPLES_WORDS; word++)
             count += (uint32_t)__builtin_popcount(c->under[word]);
@@ -307,8 +316,8 @@ static uint32_t cast_faces(light_scratch *scratch, uint32_t *bits)
     for (int face = 0; face < 6; face++) {
         if (!take_face(c, asked, face, on_face)) continue;
         set_axes(&c->view.pencil, AXIS[face]);
-        DAFT_KERNEL(daft_cast_measure)(&c->view, c->samples, on_face);
         c->asked = on_face;
+        DAFT_KERNEL(daft_cast_measure)(c);
         count += cast_pencil(scratch, bits);
     }
     return count;
@@ -318,7 +327,7 @@ static bool cast_begin(cast *c, const daft_samples *points, const daft_apex *lig
                        const uint32_t *bits)
 {
     c->samples = points, c->light = light, c->tlas = tlas, c->asked = bits, c->inverses_known = false;
-    c->filtered = NULL;
+    c->filtered = NULL, c->sifts = false;
     c->view.light = light;
     uint32_t any = 0;
     for (uint32_t word = 0; word < DAFT_SAMPLES_WORDS; word++) any |= bits[word];
@@ -336,7 +345,7 @@ static bool cast_setup(cast *c)
     c->view.pencil.origin = middle;
     c->view.pencil.away = light->infinite ? 0 : daft_length(axis);
     set_axes(&c->view.pencil, light->infinite ? daft_neg(light->at) : daft_normalize(axis));
-    return DAFT_KERNEL(daft_cast_measure)(&c->view, c->samples, c->asked);
+    return DAFT_KERNEL(daft_cast_measure)(c);
 }
 
 static uint32_t shadows(const daft_samples *points, const daft_apex *light, const daft_tlas *tlas, uint32_t instance,
@@ -346,6 +355,7 @@ static uint32_t shadows(const daft_samples *points, const daft_apex *light, cons
     cast *c = &scratch->cast;
     c->flag = DAFT_INSTANCE_CASTS_SHADOW, c->only = instance;
     if (!cast_begin(c, points, light, tlas, bits)) return 0;
+    c->sifts = true;
     return cast_setup(c) ? cast_pencil(scratch, bits) : cast_faces(scratch, bits);
 }
 

@@ -2,7 +2,8 @@
  * light, so seen from there they are a pencil, and the points are its picture.
  *
  *     occlusion_kernel.c  the order of work: which instances may stand between, then each of them; the kernel table
- *     blocks_kernel.c     points into blocks of 16 neighbours, whose boxes in the picture are what occluders are looked
+ *     shaft_kernel.c      occluders against all of the points at once: nothing stands between, or one triangle hides
+ * all blocks_kernel.c     points into blocks of 16 neighbours, whose boxes in the picture are what occluders are looked
  *                         up in
  *     nodes_kernel.c      boxes of a tree's nodes, seen from the light
  *     mesh_kernel.c       a mesh's tree down to the triangles before lit blocks, and these against the blocks: lanes
@@ -393,6 +394,9 @@ DAFT_INLINE void leave_open(const occluder *c, uint32_t source)
 
 /* Puts the points that the instance hides from the light to depth -inf; only those of the blocks behind its bounds. */
 void DAFT_KERNEL(daft_mesh_shadow)(const occluder *c, const block_set *behind);
+/* The same, by these blocks of its triangles alone: no other hides any. */
+void DAFT_KERNEL(daft_mesh_shadow_by)(const occluder *c, const block_set *behind, const daft_block *const *blocks,
+                                      uint32_t count);
 /* Marks the lit points of blocks behind the instance's box whose rays to the light meet the bounds of its mesh, and
  * gives those that it may shadow: not its own that cannot be. Gives the number of blocks that have any. */
 uint32_t DAFT_KERNEL(daft_mesh_candidates)(const occluder *c, const picture_box *box, const block_set *behind,

@@ -72,7 +72,8 @@ struct lanes {
     float nx[3][DAFT_VL], ny[3][DAFT_VL], nz[3][DAFT_VL], depth[3][DAFT_VL];
     float plane[3][DAFT_VL], surface[DAFT_VL];
     float bound[DAFT_VL], wide[DAFT_VL], slack[DAFT_VL], rounding[DAFT_VL];
-    float apart[DAFT_VL]; /* edges further off than this are so to rays in other spaces, too */
+    float turned[DAFT_VL]; /* six times the volume to the light, of either sign; 0: not surely either */
+    float apart[DAFT_VL];  /* edges further off than this are so to rays in other spaces, too */
     float low_u[DAFT_VL], high_u[DAFT_VL], low_v[DAFT_VL], high_v[DAFT_VL], near[DAFT_VL];
     uint32_t triangle[DAFT_VL];
 };
@@ -210,6 +211,7 @@ static inline void lanes_planes(const light_view *l, const view_corners *t, vf s
     vf_store(out->plane[0], vf_xor(n.x, sign)), vf_store(out->plane[1], vf_xor(n.y, sign));
     vf_store(out->plane[2], vf_xor(n.z, sign));
     vf surface = vf_xor(at, sign) - (across * size * vf_set(32 * UNIT) + wrong * edges);
+    vf_store(out->turned, vf_if_then_else(sure, light, vf_set(0)));
     vf_store(out->surface, vf_if_then_else(sure, surface, vf_set(-INFINITY)));
 }
 

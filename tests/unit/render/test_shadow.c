@@ -94,6 +94,7 @@ static uint32_t cast_tints(int isa, const daft_batch *b, const daft_light_source
 
 typedef struct tally {
     int lit, dark, edge, pencils;
+    uint32_t asked; /* of the last: points whose rays were tested */
 } tally;
 
 /* Points that see the middle of an area are asked for. */
@@ -124,7 +125,7 @@ static void compare(const stage *s, const daft_batch *b, const daft_light_source
         kept = under;
         assert_memory_equal(bits[isa], bits[0], sizeof asked);
     }
-    sum->pencils++;
+    sum->pencils++, sum->asked = kept;
     for (uint32_t i = 0; i < b->count; i++) {
         bool was = asked[i / 32] >> (i % 32) & 1, lit = bits[0][i / 32] >> (i % 32) & 1;
         if (!was) assert_false(lit);
@@ -434,6 +435,108 @@ static void floors(void **unused)
     free(b);
 }
 
+/* A box from -1 to 1 on each axis; its sides two by two, each of two triangles. */
+static fixture_mesh box_make(void)
+{
+    daft_vec3 corners[24];
+    uint32_t indices[36];
+    for (uint32_t side = 0; side < 6; side++) {
+        for (uint32_t k = 0; k < 4; k++) {
+            float p[3];
+            p[side / 2] = side % 2 ? -1 : 1, p[(side / 2 + 1) % 3] = k == 1 || k == 2 ? 1 : -1;
+            p[(side / 2 + 2) % 3] = k >= 2 ? 1 : -1;
+            corners[4 * side + k] = daft_v3(p[0], p[1], p[2]);
+        }
+        const uint32_t of_side[6] = {0, 1, 2, 0, 2, 3};
+        for (uint32_t k = 0; k < 6; k++) indices[6 * side + k] = 4 * side + of_side[k];
+    }
+    return mesh_make(corners, 24, indices, 12);
+}
+
+/* A patch of a box's side, as a tile sees it. */
+static void fill_on_box(const stage *s, uint32_t box, daft_batch *b)
+{
+    const daft_affine *map = &s->instances[box].to_frame;
+    const uint32_t side = random_bits() % 6, axis = side / 2;
+    const float size = random_float(0.01f, 0.4f), x = random_float(-0.9f, 0.9f), y = random_float(-0.9f, 0.9f);
+    daft_vec3 up = daft_affine_vector(map, daft_v3(axis == 0, axis == 1, axis == 2));
+    up = daft_scale(daft_normalize(up), side % 2 ? -1 : 1);
+    b->count = 1024;
+    for (uint32_t i = 0; i < b->count; i++) {
+        const float u = fminf(fmaxf(x + size * ((float)(i % 32) / 16 - 1), -1), 1),
+                    v = fminf(fmaxf(y + size * ((float)(i / 32) / 16 - 1), -1), 1);
+        float p[3];
+        p[axis] = side % 2 ? -1 : 1, p[(axis + 1) % 3] = u, p[(axis + 2) % 3] = v;
+        const daft_vec3 at = daft_add(daft_affine_point(map, daft_v3(p[0], p[1], p[2])), daft_scale(up, 1e-4f));
+        b->shadow_origin.x[i] = at.x, b->shadow_origin.y[i] = at.y, b->shadow_origin.z[i] = at.z;
+        b->outward.x[i] = up.x, b->outward.y[i] = up.y, b->outward.z[i] = up.z;
+        b->normal.x[i] = up.x, b->normal.y[i] = up.y, b->normal.z[i] = up.z;
+        b->instance[i] = box, b->triangle[i] = 2 * side + (v > u), b->pixel[i] = i;
+    }
+}
+
+/* What shines from a sign's side, and its body, which lies in the bounds or comes out of them behind. */
+static daft_light_source light_of_sign(const daft_affine *map, float deep)
+{
+    daft_light_source light = {.area = DAFT_AREA_RECTANGLE, .casts_shadow = true, .bounded = true};
+    const daft_vec3 columns[3] = {daft_affine_vector(map, daft_v3(1, 0, 0)), daft_affine_vector(map, daft_v3(0, 1, 0)),
+                                  daft_affine_vector(map, daft_v3(0, 0, 1))};
+    light.position = daft_affine_point(map, daft_v3(0, 0, 1));
+    light.to_light = daft_scale(daft_normalize(columns[2]), -1);
+    light.edges[0] = daft_scale(columns[1], 2), light.edges[1] = daft_scale(columns[0], 2);
+    light.bounds.middle = daft_affine_point(map, daft_v3(0, 0, 1 - deep / 2));
+    for (int k = 0; k < 3; k++) {
+        const float half = k == 2 ? deep / 2 + 0.01f : 1.01f;
+        light.bounds.axes[k] = daft_scale(columns[k], 1 / (half * daft_dot(columns[k], columns[k])));
+    }
+    return light;
+}
+
+/* Houses around a square, and signs on them. Of walls that see all of a light no ray is tested, though they lie in
+ * their house's bounds; others lie behind a wall as a whole, or across its edge. */
+static void streets(void **unused)
+{
+    (void)unused;
+    fixture_seed(78);
+    const daft_vec3 corners[4] = {{-40, 0, -40}, {-40, 0, 40}, {40, 0, 40}, {40, 0, -40}};
+    const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
+    daft_batch *b = calloc(1, sizeof *b);
+    tally sum = {0};
+    int dark = 0, lit = 0, clear = 0;
+    for (int round = 0; round < 24; round++) {
+        stage s = {.count = 9, .allocator = daft_malloc_allocator(), .ball = box_make()};
+        s.soup = mesh_make(corners, 4, indices, 2);
+        s.instances[0] = instance_make(&s.soup, affine_make(daft_quat_identity(), daft_v3(1, 1, 1), daft_v3(0, 0, 0)));
+        for (uint32_t i = 1; i < s.count; i++) {
+            const daft_vec3 scale = i == 1 ? daft_v3(0.6f, 0.3f, 0.1f)
+                                           : daft_v3(random_float(1, 2), random_float(1, 3), random_float(1, 2)),
+                            at = daft_v3(random_float(-9, 9), i == 1 ? 2 : scale.y, random_float(-9, 9));
+            const daft_quat turn = i % 2 ? daft_quat_identity() : random_rotation();
+            s.instances[i] = instance_make(&s.ball, affine_make(turn, scale, at));
+        }
+        daft_arena_init(&s.arena, &s.allocator);
+        s.tlas = daft_tlas_build(&s.arena, s.instances, s.count, NULL);
+        assert_non_null(s.tlas);
+        for (int i = 0; i < 30; i++) {
+            daft_light_source light = light_of_sign(&s.instances[1].to_frame, i % 6 ? 2 : 1);
+            if (i % 3 == 1) light = (daft_light_source){.casts_shadow = true, .position = {0, random_float(1, 6), 0}};
+            if (i % 3 == 2) light = (daft_light_source){.casts_shadow = true, .sun = true};
+            if (light.sun) light.to_light = daft_normalize(daft_add(daft_v3(0, 1, 0), random_vec3(-1, 1)));
+            fill_on_box(&s, 2 + random_bits() % (s.count - 2), b);
+            tally one = {0};
+            compare(&s, b, &light, &one);
+            dark += one.lit == 0 && one.dark, lit += one.dark == 0 && one.lit;
+            clear += one.dark == 0 && one.lit && one.asked == 0;
+            sum.lit += one.lit, sum.dark += one.dark, sum.edge += one.edge;
+        }
+        stage_drop(&s);
+    }
+    print_message("%d lit, %d dark, %d at an edge; %d walls dark, %d lit, %d of them untested\n", sum.lit, sum.dark,
+                  sum.edge, dark, lit, clear);
+    assert_true(dark > 50 && lit > 50 && clear * 10 > lit * 9 && sum.edge * 2000 < sum.lit + sum.dark);
+    free(b);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -453,6 +556,7 @@ int main(void)
         cmocka_unit_test(one_at_a_time),
         cmocka_unit_test(flat_ground),
         cmocka_unit_test(floors),
+        cmocka_unit_test(streets),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
