@@ -12,7 +12,7 @@ _Static_assert(RAYS == 16, "a pixel's rays are sixteen bits");
 /* Of all sixteen rays, if these see the same, how many are shaded beside the pixel's first: by what that is, and by how
  * much changes. A texture is filtered over the whole pixel already; what is sent on takes longest, but beside outlines
  * changes most: where light is bent, these pixels have most of the error that is left. */
-static const uint8_t SHADED[DAFT_OWN_KINDS][3] = {[DAFT_OWN_MATTE] = {4, 8, 16},
+static const uint8_t SHADED[DAFT_OWN_KINDS][3] = {[DAFT_OWN_MATTE] = {4, 6, 12},
                                                   [DAFT_OWN_TEXTURED] = {0, 0, 0},
                                                   [DAFT_OWN_MIRRORS] = {4, 8, 12},
                                                   [DAFT_OWN_PASSES] = {4, 6, 8}};

@@ -457,12 +457,6 @@ static daft_filter filter_of(const daft_frame *frame)
     return f;
 }
 
-/* Half the resolution doubles the reach. */
-static int passes_of(const daft_frame *frame)
-{
-    return frame->filtered == DAFT_NOISY_LIGHT && is_half(frame) ? PASSES - 1 : PASSES;
-}
-
 /* From the light's pixels, one in four, to all. An odd number of passes leaves it in other planes. */
 static void enlarge(const daft_frame *frame, const daft_tile *tile)
 {
@@ -470,7 +464,7 @@ static void enlarge(const daft_frame *frame, const daft_tile *tile)
     daft_enlarging e = {.to = filter_on(frame, full), .from = filter_on(frame, g), .x = g->x, .y = g->y};
     e.to.inverse = plane(full, INVERSE), e.from.inverse = plane(g, LIGHT + KIND_INVERSE);
     for (int c = 0; c < 3; c++)
-        e.to.to[c] = plane(full, LIGHT + c), e.from.from[c] = plane(g, (passes_of(frame) % 2 ? TO : LIGHT) + c);
+        e.to.to[c] = plane(full, LIGHT + c), e.from.from[c] = plane(g, (PASSES % 2 ? TO : LIGHT) + c);
     frame->renderer->kernels->enlarge(&e, tile->x, tile->y - first_row(frame), DAFT_TILE, DAFT_TILE);
 }
 
@@ -547,7 +541,7 @@ static void filter_kind(daft_frame *frame, int kind)
     frame->filtered = kind, frame->filter_pass = 0;
     daft_parallel_for(threads, frame->tile_count, noise_task, frame);
     daft_parallel_for(threads, frame->tile_count, spread_task, frame);
-    for (; frame->filter_pass < passes_of(frame); frame->filter_pass++)
+    for (; frame->filter_pass < PASSES; frame->filter_pass++)
         daft_parallel_for(threads, frame->tile_count, pass_task, frame);
 }
 

@@ -360,6 +360,33 @@ static void half_the_resolution_is_nearly_as_close(void **unused)
     stage_drop(s);
 }
 
+/* Between two long walls the floor is as dark all along them: no stripes, which even places of samples would leave at
+ * half the resolution if the filter reached less far. */
+static void what_is_even_stays_even(void **unused)
+{
+    (void)unused;
+    stage *s = stage_make(2, NULL);
+    look_down(s);
+    daft_scene_set_ambient_occlusion(s->scene, 1.5f);
+    add_box(s, (daft_dvec3){0, -0.05, 0}, (daft_vec3){40, 0.1f, 40});
+    for (int k = -1; k <= 1; k += 2) add_box(s, (daft_dvec3){k, 0.5, 0}, (daft_vec3){1.2f, 1, 40});
+    s->view.quality.denoise = s->view.quality.half_light = true, s->view.quality.occlusion_samples = 1;
+    draw(s);
+    double worst = 0;
+    for (int y = HEIGHT / 2 - 16; y < HEIGHT / 2 + 16; y++) {
+        double sum = 0, squares = 0;
+        for (int x = 40; x < WIDTH - 40; x++) {
+            const double light = (double)s->color[y * WIDTH + x].x;
+            sum += light, squares += light * light;
+        }
+        const double mean = sum / (WIDTH - 80);
+        worst = fmax(worst, sqrt(fmax(squares / (WIDTH - 80) - mean * mean, 0)) / mean);
+    }
+    print_message("along walls: uneven by %.4f\n", worst);
+    assert_true(worst < 0.05);
+    stage_drop(s);
+}
+
 /* More samples at edges take the filtered light of pixels like them: no grain, and hardly a ray more. */
 static void edges_are_as_smooth_as_what_is_filtered(void **unused)
 {
@@ -527,6 +554,7 @@ int main(void)
                                        cmocka_unit_test(denoised_is_closer),
                                        cmocka_unit_test(what_memory_held_is_not_seen),
                                        cmocka_unit_test(half_the_resolution_is_nearly_as_close),
+                                       cmocka_unit_test(what_is_even_stays_even),
                                        cmocka_unit_test(edges_are_as_smooth_as_what_is_filtered),
                                        cmocka_unit_test(tiles_that_see_the_sky_are_not_filtered),
                                        cmocka_unit_test(pictures_that_follow_each_other_help),
