@@ -1,9 +1,10 @@
 /* Rows `scene frame, NAME`: each scene of assets/scenes in quality `game`: with one sample a pixel; as it is, with
  * antialiasing; and doing no more than the peer does: light is not sampled, and mirrors and glass show the sky. Of that
- * there are two, in which glass throws no shadow: beside the peer whose only shadows are the sun's, without any where
- * no sun casts them, and with all shadows beside the peer that has all. The first camera sways for 120 frames (sway.h),
- * so that each is drawn in full. What the engine keeps from frame to frame stays kept, as for a user. The row also
- * reports the time of a frame in which nothing moves. The peer is llvmpipe, with one sample a pixel and with four. */
+ * there are two, in which neither glass nor what blends throws a shadow: beside the peer whose only shadows are the
+ * sun's, without any where no sun casts them, and with all shadows beside the peer that has all. The first camera sways
+ * for 120 frames (sway.h), so that each is drawn in full. What the engine keeps from frame to frame stays kept, as for
+ * a user. The row also reports the time of a frame in which nothing moves. The peer is llvmpipe, with one sample a
+ * pixel and with four. */
 #include "frames/users.h"
 
 #include "frames/sway.h"
@@ -31,7 +32,19 @@ static daft_quality quality_of(show_kind kind, const users_show *s)
     return q;
 }
 
-/* As beside the peer: what light passes throws no shadow there. Entities are made anew, since none changes in that. */
+/* What light passes, or what blends: it throws no shadow in the peer. */
+static bool throws_none(const daft_snapshot *s, const daft_instance *instance)
+{
+    const uint32_t slots = instance->mesh && instance->mesh->slot_count ? instance->mesh->slot_count : 1;
+    if (!(instance->flags & DAFT_INSTANCE_FILTERS_SHADOW)) return instance->flags & DAFT_INSTANCE_TINTS_SHADOW;
+    for (uint32_t i = 0; i < slots; i++) {
+        const daft_surface *surface = &s->materials[instance->materials[i]];
+        if (!daft_surface_blends(surface) || surface->cutoff > 0) return false;
+    }
+    return true;
+}
+
+/* As beside the peer. Entities are made anew, since none changes in that. */
 static bool clear_glass(users_show *s, daft_error *error)
 {
     daft_scene_frame *frame = daft_frame_take(s->scene, &s->view, SWAY_WIDTH, SWAY_HEIGHT, error);
@@ -39,7 +52,7 @@ static bool clear_glass(users_show *s, daft_error *error)
     uint32_t count = 0;
     daft_entity *glass = frame ? calloc(frame->snapshot.instance_count + 1, sizeof *glass) : NULL;
     for (uint32_t i = 0; glass && i < frame->snapshot.instance_count; i++)
-        if (frame->snapshot.instances[i].flags & DAFT_INSTANCE_TINTS_SHADOW)
+        if (throws_none(&frame->snapshot, &frame->snapshot.instances[i]))
             glass[count++] = (daft_entity){frame->snapshot.instances[i].entity};
     if (frame) daft_frame_release(s->scene, frame);
     for (uint32_t i = 0; good && i < count; i++) {
