@@ -154,50 +154,70 @@ DAFT_INLINE vf3 refracted(const window *w, const interface *f, vf3 normal)
 
 /* ---- origins ---- */
 
-/* Triangles' corners in object space, x, y, z of one after the other, and the instances' to_frame. */
-typedef struct corners {
-    float at[9][DAFT_VL];
-    const float *map[DAFT_VL];
-    vbits triangles;
-} corners;
+/* Of DAFT_VL points' triangles, the corners in frame space; gives the lanes that have one. Neighbours mostly see the
+ * same. */
+static vbits shared_corners(const daft_instance *instance, uint32_t triangle, vbits lanes, vf3 c[3])
+{
+    const daft_trimesh *mesh = instance->mesh;
+    if (!mesh) return 0;
+    for (int k = 0; k < 3; k++) {
+        const uint32_t v = mesh->indices[3 * (size_t)triangle + (size_t)k];
+        c[k] = set3(daft_affine_point(&instance->to_frame, daft_v3(mesh->x[v], mesh->y[v], mesh->z[v])));
+    }
+    return lanes;
+}
 
-static void fetch_corners(const spawning *s, uint32_t first, vbits lanes, corners *out)
+static vbits fetch_corners(const spawning *s, uint32_t first, vbits lanes, vf3 c[3])
 {
     const uint32_t any = first + (uint32_t)__builtin_ctz(lanes);
-    out->triangles = 0;
+    float at[9][DAFT_VL]; /* in object space: x, y, z of one after the other */
+    const float *map[DAFT_VL];
+    vbits triangles = 0;
     for (uint32_t i = 0; i < DAFT_VL; i++) {
         const uint32_t point = lanes >> i & 1 ? first + i : any;
         const daft_instance *instance = &s->snapshot->instances[s->b->instance[point]];
         const daft_trimesh *mesh = instance->mesh;
-        out->map[i] = (const float *)&instance->to_frame;
+        map[i] = (const float *)&instance->to_frame;
         if (!mesh || !(lanes >> i & 1)) continue;
         const uint32_t *corner = &mesh->indices[3 * (size_t)s->b->triangle[point]];
         for (int k = 0; k < 3; k++) {
             const uint32_t v = corner[k];
-            out->at[3 * k][i] = mesh->x[v], out->at[3 * k + 1][i] = mesh->y[v], out->at[3 * k + 2][i] = mesh->z[v];
+            at[3 * k][i] = mesh->x[v], at[3 * k + 1][i] = mesh->y[v], at[3 * k + 2][i] = mesh->z[v];
         }
-        out->triangles |= (vbits)1 << i;
+        triangles |= (vbits)1 << i;
     }
+    if (!triangles) return 0;
+    vf m[12];
+    for (int k = 0; k < 12; k += 4) vf_gather_rows4(map, k, m + k);
+    for (int k = 0; k < 3; k++) { /* as daft_affine_point */
+        const vf x = vf_load(at[3 * k]), y = vf_load(at[3 * k + 1]), z = vf_load(at[3 * k + 2]);
+        c[k] = (vf3){((m[0] * x + m[1] * y) + m[2] * z) + m[9], ((m[3] * x + m[4] * y) + m[5] * z) + m[10],
+                     ((m[6] * x + m[7] * y) + m[8] * z) + m[11]};
+    }
+    return triangles;
+}
+
+static vbits corners_at(const spawning *s, uint32_t first, vbits lanes, vf3 c[3])
+{
+    const uint32_t any = first + (uint32_t)__builtin_ctz(lanes), instance = s->b->instance[any],
+                   triangle = s->b->triangle[any];
+    const vm same = vm_and(vi_eq(vi_load(&s->b->instance[first]), vi_set((int32_t)instance)),
+                           vi_eq(vi_load(&s->b->triangle[first]), vi_set((int32_t)triangle)));
+    if (lanes & ~vbits_from_mask(same)) return fetch_corners(s, first, lanes, c);
+    return shared_corners(&s->snapshot->instances[instance], triangle, lanes, c);
 }
 
 /* What moves points that lie closer than `margin` to the sides of their triangles, or beyond one by rounding, away from
  * them. */
-DAFT_INLINE vf3 off_sides(const corners *at, vf3 p, vf3 normal, vf margin)
+DAFT_INLINE vf3 off_sides(const vf3 c[3], vbits triangles, vf3 p, vf3 normal, vf margin)
 {
-    vf m[12];
-    vf3 c[3], shift = set3(daft_v3(0, 0, 0));
-    for (int k = 0; k < 12; k += 4) vf_gather_rows4(at->map, k, m + k);
-    for (int k = 0; k < 3; k++) { /* as daft_affine_point */
-        const vf x = vf_load(at->at[3 * k]), y = vf_load(at->at[3 * k + 1]), z = vf_load(at->at[3 * k + 2]);
-        c[k] = (vf3){((m[0] * x + m[1] * y) + m[2] * z) + m[9], ((m[3] * x + m[4] * y) + m[5] * z) + m[10],
-                     ((m[6] * x + m[7] * y) + m[8] * z) + m[11]};
-    }
+    vf3 shift = set3(daft_v3(0, 0, 0));
     for (int k = 0; k < 3; k++) {
         const vf3 in = unit3(cross3(normal, sub3(c[(k + 1) % 3], c[k])));
         const vf other = vf3_dot(in, sub3(c[(k + 2) % 3], c[k])), own = vf3_dot(in, sub3(p, c[k]));
         const vm away = vf_lt(other, vf_set(0));
         const vf inside = vf_if_then_else(away, -own, own);
-        const vm near = vm_and(vf_lt(inside, margin), vm_from_bits(at->triangles));
+        const vm near = vm_and(vf_lt(inside, margin), vm_from_bits(triangles));
         const vf by = vf_if_then_else(away, inside - margin, margin - inside);
         shift = select3(near, add3(shift, scale3(in, by)), shift);
     }
@@ -213,9 +233,9 @@ static void place_beyond(const spawning *s, const window *w, vbits lanes, vf3 *o
     const vf error =
         (vf_abs(p.x) + vf_abs(p.y) + vf_abs(p.z) + vf_load(&s->b->extent[w->first])) * vf_set(DAFT_SPAWN_ERROR);
     vf3 on = sub3(p, scale3(add3(w->outward, w->view), error));
-    corners at;
-    fetch_corners(s, w->first, lanes, &at);
-    if (at.triangles) on = add3(on, off_sides(&at, on, w->outward, error));
+    vf3 corners[3];
+    const vbits triangles = corners_at(s, w->first, lanes, corners);
+    if (triangles) on = add3(on, off_sides(corners, triangles, on, w->outward, error));
     *out = sub3(on, scale3(w->outward, vf_set(1.5f) * error));
 }
 
