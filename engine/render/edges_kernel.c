@@ -14,7 +14,7 @@ _Static_assert(RAYS == 16, "a pixel's rays are sixteen bits");
  * changes most: where light is bent, these pixels have most of the error that is left. */
 static const uint8_t SHADED[DAFT_OWN_KINDS][3] = {[DAFT_OWN_MATTE] = {4, 6, 12},
                                                   [DAFT_OWN_TEXTURED] = {0, 0, 0},
-                                                  [DAFT_OWN_MIRRORS] = {4, 8, 12},
+                                                  [DAFT_OWN_MIRRORS] = {4, 6, 8},
                                                   [DAFT_OWN_PASSES] = {4, 6, 8}};
 
 /* Of each of the pixel's rays, by DAFT_EDGE_ORDER, what it sees. */
