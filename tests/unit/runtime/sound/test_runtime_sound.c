@@ -480,6 +480,20 @@ static void broken_files_are_refused(void **unused)
     assert_string_equal(error.file, "main.lua");
 }
 
+/* SDL_mixer would read the second channel of frames that have one. */
+static void flac_has_the_channels_that_it_says(void **unused)
+{
+    (void)unused;
+    if (!can_decode()) skip();
+    size_t size;
+    uint8_t *bytes = read_tone("flac", &size);
+    assert_int_equal(bytes[20] >> 1 & 7, 0); /* one channel */
+    bytes[20] |= 1 << 1;
+    assert_null(audio_decode(engine, NULL, bytes, size, "two.flac", &error));
+    assert_string_equal(error.message, "the sound is broken");
+    free(bytes);
+}
+
 /* One frame a second for hours: a small file that would be large in memory. */
 static void a_small_file_cannot_ask_for_much_memory(void **unused)
 {
@@ -548,6 +562,7 @@ int main(void)
                                        cmocka_unit_test(the_camera_hears_where_and_through_what),
                                        cmocka_unit_test(files_of_all_kinds_have_the_same_tone),
                                        cmocka_unit_test(broken_files_are_refused),
+                                       cmocka_unit_test(flac_has_the_channels_that_it_says),
                                        cmocka_unit_test(a_small_file_cannot_ask_for_much_memory),
                                        cmocka_unit_test(a_tape_is_a_sound_file)};
     return cmocka_run_group_tests(tests, open_engine, close_engine);
