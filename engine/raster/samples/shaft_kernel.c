@@ -141,11 +141,11 @@ DAFT_INLINE triangle_edges edges_at_ray(const lanes *t, int i, vf3 d)
     return (triangle_edges){e[0], e[1], e[2], vf_min(e[0], vf_min(e[1], e[2])), vf_max(e[0], vf_max(e[1], e[2]))};
 }
 
-/* lie_on, of points that stand in no block yet. */
-static vbits lie_on_it(const shaft *s, uint32_t triangle, uint32_t at)
+/* lie_on, of those points from `at` on that are `among` them; the rest may be past the last point. */
+static vbits lie_on_it(const shaft *s, uint32_t triangle, uint32_t at, vbits among)
 {
     const occluder *c = &s->m.c;
-    const vbits on = vbits_from_mask(vi_eq(vi_load(&c->samples->instance[at]), vi_set((int32_t)c->number)));
+    const vbits on = among & vbits_from_mask(vi_eq(vi_load(&c->samples->instance[at]), vi_set((int32_t)c->number)));
     if (c->convex || !on) return on;
     const vi own = vi_load(&s->c->own[at]);
     if (c->flat) return on & ~vbits_from_mask(vi_eq(own, vi_set((int32_t)DAFT_NO_TRIANGLE)));
@@ -177,7 +177,7 @@ static bool may_hide(const shaft *s, const lanes *t, int i)
         if (!in) continue;
         const triangle_edges e = edges_at_ray(t, i, ray_of(&c->view, p));
         in &= vbits_from_mask(vm_or(vf_le(-wide, e.min), vf_le(e.max, wide)));
-        if (in & ~lie_on_it(s, t->triangle[i], at)) return true;
+        if (in & ~lie_on_it(s, t->triangle[i], at, in)) return true;
     }
     return false;
 }
@@ -237,7 +237,7 @@ static bool hide(const shaft *s, const lanes *t, int i)
         const vf error = vf_abs(vf_set(t->slack[i]) * inverse) + rounding;
         const vm inside = vm_or(vf_lt(bound, e.min), vf_lt(e.max, -bound));
         vbits dark = in & vbits_from_mask(vm_and(inside, vf_lt(depth + error, p.z)));
-        if (dark) dark &= ~lie_on_it(s, t->triangle[i], at);
+        if (dark) dark &= ~lie_on_it(s, t->triangle[i], at, dark);
         if (dark) dark &= vbits_from_mask(vf_lt(ends_before(s, p) + rounding, depth));
         c->hidden[at / 32] |= dark << (at % 32);
         left |= in & ~dark;
