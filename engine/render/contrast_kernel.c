@@ -21,15 +21,20 @@ DAFT_INLINE vi beyond(vi a, vi b, vi limit)
     return (~gap & vi_set(HALVES(0x1000))) | (above & vi_set(HALVES(0x2000)));
 }
 
-/* DAFT_VL pixels of a row from (x, y) on. */
+/* DAFT_VL pixels of a row. */
+typedef struct colors {
+    vi red_blue, green;
+} colors;
 typedef struct pixels {
-    vi red_blue, green, id, own;
+    colors color;
+    vi id, own;
 } pixels;
 
 DAFT_INLINE pixels pixels_at(const daft_neighbours *n, int x, int y)
 {
-    const vi bytes = vi_set(HALVES(255)), rgba = vi_load(n->pixel + 4 * (y * n->stride + x));
-    return (pixels){rgba & bytes, rgba >> 8 & vi_set(255), vi_load(n->id + y * n->id_stride + x),
+    const vi rgba = vi_load(n->pixel + 4 * (y * n->stride + x));
+    return (pixels){{rgba & vi_set(HALVES(255)), rgba >> 8 & vi_set(255)},
+                    vi_load(n->id + y * n->id_stride + x),
                     n->own ? vi_load(n->own + y * n->id_stride + x) : vi_set(-1)};
 }
 
@@ -37,7 +42,7 @@ typedef struct bits {
     uint32_t outline, inner, strong, stark;
 } bits;
 
-DAFT_INLINE vbits apart(const pixels *a, const pixels *b, vi most)
+DAFT_INLINE vbits apart(const colors *a, const colors *b, vi most)
 {
     const vi far = beyond(a->red_blue, b->red_blue, most) | beyond(a->green, b->green, most);
     return ~vbits_from_mask(vi_eq(far, vi_set(0))) & DAFT_ALL_LANES;
@@ -48,8 +53,9 @@ DAFT_INLINE vbits apart(const pixels *a, const pixels *b, vi most)
 DAFT_INLINE vbits lit_apart(const pixels *a, const pixels *b, vi most)
 {
     const vi byte = vi_set(255), zero = vi_set(0);
-    const vi color[3][2] = {
-        {a->red_blue & byte, b->red_blue & byte}, {a->green, b->green}, {a->red_blue >> 16, b->red_blue >> 16}};
+    const vi color[3][2] = {{a->color.red_blue & byte, b->color.red_blue & byte},
+                            {a->color.green, b->color.green},
+                            {a->color.red_blue >> 16, b->color.red_blue >> 16}};
     vbits far = 0;
     for (int k = 0; k < 3; k++) {
         const vi own = (a->own >> (8 * k)) & byte, other = (b->own >> (8 * k)) & byte;
@@ -75,11 +81,11 @@ DAFT_INLINE vi limit_of(const daft_contrast *limit, vi kind, vm same, vm instanc
     return vi_gather_index(&limit->of[0].outline, kind * vi_set(3) + which);
 }
 
-DAFT_INLINE bits disagree(const pixels *a, const pixels *b, const daft_contrast *limit)
+static bits disagree(const pixels *a, const pixels *b, const daft_contrast *limit)
 {
     const vm same = vi_eq(a->id, b->id), instance = vi_eq(a->id >> DAFT_ID_INSTANCE, b->id >> DAFT_ID_INSTANCE);
     const vi most = limit_of(limit, kind_of(a, b), same, instance);
-    const vbits differ = apart(a, b, most * vi_set(HALVES(1)));
+    const vbits differ = apart(&a->color, &b->color, most * vi_set(HALVES(1)));
     if (!differ) return (bits){0, 0, 0, 0};
     const vbits sky = vbits_from_mask(vi_eq(a->id, vi_set((int32_t)DAFT_ID_SKY))), alike = vbits_from_mask(same);
     vbits inner = differ & alike & ~sky;
@@ -88,36 +94,75 @@ DAFT_INLINE bits disagree(const pixels *a, const pixels *b, const daft_contrast 
     if (inner) out.strong = inner & lit_apart(a, b, vi_set(limit->strong));
     if (out.strong) out.stark = inner & lit_apart(a, b, vi_set(limit->stark));
     if (out.outline) {
-        out.strong |= out.outline & apart(a, b, vi_set(HALVES(limit->strong)));
-        out.stark |= out.outline & apart(a, b, vi_set(HALVES(limit->stark)));
+        out.strong |= out.outline & apart(&a->color, &b->color, vi_set(HALVES(limit->strong)));
+        out.stark |= out.outline & apart(&a->color, &b->color, vi_set(HALVES(limit->stark)));
     }
     return out;
 }
 
+enum { AHEAD = 8 };
+/* A search; `least`: of all limits. */
+typedef uint8_t bytes __attribute__((vector_size(DAFT_VL * 4), aligned(1), may_alias));
+typedef struct search {
+    const daft_neighbours *n;
+    const daft_contrast *limit;
+    uint8_t least;
+} search;
+
+DAFT_INLINE search begin(const daft_neighbours *n, const daft_contrast *limit)
+{
+    int least = limit->of[0].outline;
+    for (int k = 0; k < DAFT_OWN_KINDS; k++) {
+        const daft_contrast_limits *of = &limit->of[k];
+        const int low = of->outline < of->crease ? of->outline : of->crease, own = of->inner < low ? of->inner : low;
+        least = own < least ? own : least;
+    }
+    return (search){n, limit, (uint8_t)(least < 255 ? least : 255)};
+}
+
+/* Whether no byte of DAFT_VL pixels differs by more than the least limit: so it is with most. */
+DAFT_INLINE bool all_near(const search *s, ptrdiff_t a, ptrdiff_t b)
+{
+    const bytes x = *(const bytes *)(s->n->pixel + 4 * a), y = *(const bytes *)(s->n->pixel + 4 * b);
+    const bytes above = (bytes)(x > y), gap = ((x - y) & above) | ((y - x) & ~above);
+    return !vbits_from_mask(vm_not(vi_eq((vi)(gap > s->least), vi_set(0))));
+}
+
+/* Of pixels (x, y) on, those that disagree with the ones `right` and `down` of them. */
+DAFT_INLINE bits look(const search *s, int x, int y, int right, int down)
+{
+    const ptrdiff_t at = y * s->n->stride + x;
+    if (all_near(s, at, at + down * s->n->stride + right)) return (bits){0, 0, 0, 0};
+    const pixels here = pixels_at(s->n, x, y), there = pixels_at(s->n, x + right, y + down);
+    return disagree(&here, &there, s->limit);
+}
+
+DAFT_INLINE void add(bits *to, bits b, int x)
+{
+    to->outline |= b.outline << x, to->inner |= b.inner << x;
+    to->strong |= b.strong << x, to->stark |= b.stark << x;
+}
+
 void DAFT_KERNEL(daft_find_contrast)(const daft_neighbours *n, const daft_contrast *limit, daft_edges *out)
 {
+    const search s = begin(n, limit);
     bits above = {0, 0, 0, 0}; /* of the row's pixels, those that disagree with the one above them */
-    for (int y = -1; y < DAFT_TILE; y++) {
-        bits down = {0, 0, 0, 0}, right = {0, 0, 0, 0}, left = {0, 0, 0, 0};
+    for (int x = 0; x < DAFT_TILE; x += DAFT_VL) add(&above, look(&s, x, -1, 0, 1), x);
+    for (int y = 0; y < DAFT_TILE; y++) {
+        bits down = {0, 0, 0, 0}, right = {0, 0, 0, 0};
+        if (y + AHEAD < DAFT_TILE) {
+            const uint8_t *p = n->pixel + 4 * (y + AHEAD) * n->stride;
+            __builtin_prefetch(p); __builtin_prefetch(p + 64); __builtin_prefetch(p + 128);
+        }
         for (int x = 0; x < DAFT_TILE; x += DAFT_VL) {
-            const pixels here = pixels_at(n, x, y), below = pixels_at(n, x, y + 1);
-            bits b = disagree(&here, &below, limit);
-            down.outline |= b.outline << x, down.inner |= b.inner << x, down.strong |= b.strong << x,
-                down.stark |= b.stark << x;
-            if (y < 0) continue;
-            const pixels beside = pixels_at(n, x + 1, y);
-            b = disagree(&here, &beside, limit);
-            right.outline |= b.outline << x, right.inner |= b.inner << x, right.strong |= b.strong << x,
-                right.stark |= b.stark << x;
+            add(&down, look(&s, x, y, 0, 1), x);
+            add(&right, look(&s, x, y, 1, 0), x);
         }
-        if (y >= 0) {
-            const pixels before = pixels_at(n, -1, y), first = pixels_at(n, 0, y);
-            left = disagree(&before, &first, limit);
-            out->outline[y] = above.outline | down.outline | right.outline | right.outline << 1 | (left.outline & 1);
-            out->inner[y] = above.inner | down.inner | right.inner | right.inner << 1 | (left.inner & 1);
-            out->stark[y] = above.stark | down.stark | right.stark | right.stark << 1 | (left.stark & 1);
-            out->strong[y] = above.strong | down.strong | right.strong | right.strong << 1 | (left.strong & 1);
-        }
+        const bits left = look(&s, -1, y, 1, 0);
+        out->outline[y] = above.outline | down.outline | right.outline | right.outline << 1 | (left.outline & 1);
+        out->inner[y] = above.inner | down.inner | right.inner | right.inner << 1 | (left.inner & 1);
+        out->stark[y] = above.stark | down.stark | right.stark | right.stark << 1 | (left.stark & 1);
+        out->strong[y] = above.strong | down.strong | right.strong | right.strong << 1 | (left.strong & 1);
         above = down;
     }
 }
@@ -125,29 +170,22 @@ void DAFT_KERNEL(daft_find_contrast)(const daft_neighbours *n, const daft_contra
 /* ---- corners of pixels ---- */
 
 /* Pixels that disagree and see different things. */
-DAFT_INLINE uint32_t differ(const pixels *a, const pixels *b, const daft_contrast *limit)
+DAFT_INLINE uint32_t differ(const search *s, int x, int y, int right, int down)
 {
-    const vm same = vi_eq(a->id, b->id);
-    if (vbits_from_mask(same) == DAFT_ALL_LANES) return 0;
-    return disagree(a, b, limit).outline;
+    return look(s, x, y, right, down).outline;
 }
 
 void DAFT_KERNEL(daft_find_corners)(const daft_neighbours *n, const daft_contrast *limit, uint32_t out[DAFT_TILE])
 {
+    const search s = begin(n, limit);
     uint32_t across_above = 0;
     for (int y = -1; y < DAFT_TILE; y++) {
         uint32_t across = 0, down = 0;
         for (int x = 0; x < DAFT_TILE; x += DAFT_VL) {
-            const pixels here = pixels_at(n, x, y), before = pixels_at(n, x - 1, y);
-            across |= differ(&before, &here, limit) << x;
-            if (y < 0) continue;
-            const pixels above = pixels_at(n, x, y - 1);
-            down |= differ(&above, &here, limit) << x;
+            across |= differ(&s, x - 1, y, 1, 0) << x;
+            if (y >= 0) down |= differ(&s, x, y - 1, 0, 1) << x;
         }
-        if (y >= 0) {
-            const pixels before = pixels_at(n, -1, y), above = pixels_at(n, -1, y - 1);
-            out[y] = across_above | across | down | down << 1 | (differ(&above, &before, limit) & 1);
-        }
+        if (y >= 0) out[y] = across_above | across | down | down << 1 | (differ(&s, -1, y - 1, 0, 1) & 1);
         across_above = across;
     }
 }

@@ -202,6 +202,7 @@ static bool prepare_edges(daft_frame *frame, daft_error *error)
     const bool corners = frame->edge_scale == 1;
     choose_rows(frame, 0);
     const bool more = s->first_row + s->row_count < s->height;
+    const size_t packed = corners ? 0 : (size_t)frame->tile_count * (4 * DAFT_TILE * DAFT_TILE);
     frame->corner_tiles = frame->tile_count + (more ? daft_tile_columns(s) : 0);
     if (daft_grow(&r->allocator, &r->edges, &r->edge_capacity, frame->corner_tiles, 0, sizeof *r->edges) &&
         daft_grow(&r->allocator, &r->ids, &r->id_capacity, row * (rows + 2 * DAFT_TILE), 0, sizeof *r->ids) &&
@@ -209,7 +210,7 @@ static bool prepare_edges(daft_frame *frame, daft_error *error)
                   sizeof *r->own) &&
         daft_grow(&r->allocator, &r->corners, &r->corner_capacity, corners ? daft_corner_words(frame) : 0, 0,
                   sizeof *r->corners) &&
-        daft_grow(&r->allocator, &r->smooth, &r->smooth_capacity, corners ? 0 : 4 * row * rows, 0, 1))
+        daft_grow(&r->allocator, &r->smooth, &r->smooth_capacity, packed, 0, 1))
         return true;
     return daft_fail_memory(error, "the pixels at edges");
 }

@@ -183,7 +183,7 @@ struct daft_renderer {
     uint32_t *ids;     /* daft_pixel_id of each pixel */
     uint32_t *own;     /* RGBA of what textures give its surface, all bits without one; unless corners are asked for */
     uint8_t *apron;    /* the pixels above and below the band */
-    uint8_t *smooth;   /* the band's pixels with more samples, until all are drawn */
+    uint8_t *smooth;   /* the band's pixels with more samples, tile by tile, until all are drawn */
     uint32_t *corners; /* words of the band's corners (daft_mixed); daft_edges.outline says which there are */
     struct daft_meter_picture *meter; /* meter.c; NULL until light is metered */
     /* denoise.c: planes of the frame's tiles, and what of these is to be filtered (DAFT_NOISY_…) */

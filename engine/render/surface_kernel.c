@@ -434,6 +434,16 @@ DAFT_INLINE void store_footprint(const window *r, sort s, const meeting *m, acro
     vf_store(&out->second_u[at], vf3_dot(second, along.u)), vf_store(&out->second_v[at], vf3_dot(second, along.v));
 }
 
+/* What a footprint reads of a window: a copy, so that the window stays in registers where no footprint is wanted. */
+DAFT_INLINE void copy_for_footprint(window *to, const window *r, bool uniform, vi word)
+{
+    to->direction = r->direction, to->row = r->row;
+    if (uniform) return;
+    for (int k = FACET_CORNER; k < FACET_UV + 6; k++) to->part[k] = r->part[k];
+    if (!vbits_from_mask(vi_eq(word & vi_set(FACET_SPHERE), vi_set(FACET_SPHERE)))) return;
+    for (int k = 0; k < SPHERE_TURN + 9; k++) to->part[k] = r->part[k];
+}
+
 /* Not part of the functions that call them: only one filter asks. */
 static __attribute__((noinline)) void camera_footprint(const window *r, bool uniform, const daft_pencil *p,
                                                        const meeting *m, vf reach, daft_batch *b, uint32_t at)
@@ -491,7 +501,7 @@ static void visible_points(const daft_pencil *p, const daft_vec3 *first, const d
 {
     flat_normal kept = {.slot = -1};
     const bool footprints = b->footprints && wants & WANT_TEXTURE;
-    window r = {.row = NULL}; /* once: a debug build cannot tell that each window reads what it set */
+    window r = {.row = NULL}, copy = {.row = NULL}; /* once: a debug build cannot tell that each reads what it set */
     for (uint32_t i = 0; i < b->count; i += DAFT_VL) {
         meeting m;
         vf3 normal;
@@ -510,9 +520,9 @@ static void visible_points(const daft_pencil *p, const daft_vec3 *first, const d
         vf reach = wants & WANT_DISTANCE ? vf_sqrt(vf3_dot(m.point, m.point)) : vf_set(0);
         store_meeting(&m, r.direction, normal, reach, p->focal, wants, b, i);
         if (footprints) {
-            const window rays = r; /* copies, so that these stay in registers where no footprint is wanted */
             const meeting met = m;
-            camera_footprint(&rays, uniform, p, &met, reach, b, i);
+            copy_for_footprint(&copy, &r, uniform, m.word);
+            camera_footprint(&copy, uniform, p, &met, reach, b, i);
         }
         if (wants & WANT_PATH) store3(&b->weight, i, set3(daft_v3(1, 1, 1)));
     }
@@ -620,7 +630,7 @@ void DAFT_KERNEL(daft_hit_points)(const daft_snapshot *snapshot, const daft_ray_
                                   daft_ray_batch *sky)
 {
     const uint32_t begin = points->count;
-    window r = {.row = NULL}; /* as in visible_points */
+    window r = {.row = NULL}, copy = {.row = NULL}; /* as in visible_points */
     facets->count = 0;
     take_hits(snapshot, rays, first, hits, count, facets, points, sky);
     if (points->count == begin) return;
@@ -642,9 +652,9 @@ void DAFT_KERNEL(daft_hit_points)(const daft_snapshot *snapshot, const daft_ray_
         const vf reach = vf_load(&points->distance[at]) + r.t;
         store_meeting(&m, direction, unit3(m.normal), reach, snapshot->focal, wants, points, at);
         if (points->footprints && textured) {
-            const window hit_rays = r;
             const meeting met = m;
-            cone_footprint(&hit_rays, &met, reach, snapshot->focal, points, at);
+            copy_for_footprint(&copy, &r, false, m.word);
+            cone_footprint(&copy, &met, reach, snapshot->focal, points, at);
         }
     }
     points->traits |= facets->traits;

@@ -53,6 +53,15 @@ static uint32_t kind_of(const daft_surface *s)
     return traits & DAFT_TRAIT_SENDS ? DAFT_OWN_MIRRORS : DAFT_OWN_MATTE;
 }
 
+/* How many points from i on are of one material, and of neighbours in a row. */
+static uint32_t run_of(const daft_batch *b, uint32_t i)
+{
+    const uint32_t first = b->pixel[i], most = daft_min_u(b->count - i, DAFT_TILE - first % DAFT_TILE);
+    uint32_t count = 1;
+    while (count < most && b->pixel[i + count] == first + count && b->material[i + count] == b->material[i]) count++;
+    return count;
+}
+
 void daft_tile_keep_own(tile_job *j)
 {
     const daft_tile *tile = &j->s->tile;
@@ -63,10 +72,11 @@ void daft_tile_keep_own(tile_job *j)
         j->r->shade->encode(b->albedo.x, b->albedo.y, b->albedo.z, b->count, (uint8_t *)words);
     else
         memset(words, 0xff, b->count * sizeof *words);
-    uint32_t last = UINT32_MAX, kind = 0; /* neighbours mostly share a material */
-    for (uint32_t i = 0; i < b->count; i++) {
-        if (b->material[i] != last) last = b->material[i], kind = kind_of(&j->snapshot->materials[last]) << 24;
-        own[b->pixel[i] / DAFT_TILE * width + b->pixel[i] % DAFT_TILE] = (words[i] & 0xffffff) | kind;
+    for (uint32_t i = 0, count; i < b->count; i += count) {
+        const uint32_t kind = kind_of(&j->snapshot->materials[b->material[i]]) << 24, pixel = b->pixel[i];
+        uint32_t *to = &own[pixel / DAFT_TILE * width + pixel % DAFT_TILE];
+        count = run_of(b, i);
+        for (uint32_t k = 0; k < count; k++) to[k] = (words[i + k] & 0xffffff) | kind;
     }
     book(j, DAFT_EFFECT_ANTIALIASING);
 }

@@ -154,14 +154,14 @@ static void mean_of(const refinement *r, int x, int y, const float own[3], float
     for (int k = 0; k < 3; k++) light[k] = (sum[k] + own[k] * s->own[at]) * (1.0f / DAFT_EDGE_RAYS);
 }
 
-static void write_row(const refinement *r, const daft_tile *tile, int y)
+/* Writes a row's pixels with more samples one after the other, and gives where the next ones go. */
+static uint8_t *write_row(const refinement *r, int y, uint8_t *to)
 {
     const tile_job *j = r->j;
-    const size_t width = (size_t)j->snapshot->width, row = (size_t)(tile->y - j->snapshot->first_row + y);
     float light[3][DAFT_TILE + 16], own[3][DAFT_TILE + 16];
-    uint8_t rgba[4 * DAFT_TILE], *to = j->r->smooth + 4 * (row * width + (size_t)tile->x);
+    uint8_t rgba[4 * DAFT_TILE];
     uint32_t count = 0, all = r->edges.outline[y] | r->edges.inner[y];
-    if (!all) return;
+    if (!all) return to;
     j->r->shade->decode(r->around.pixel + 4 * y * r->around.stride, DAFT_TILE, own[0], own[1], own[2]);
     for (uint32_t left = all; left; left &= left - 1, count++) {
         const int x = __builtin_ctz(left);
@@ -171,9 +171,14 @@ static void write_row(const refinement *r, const daft_tile *tile, int y)
     }
     for (int k = 0; k < 3; k++) memset(&light[k][count], 0, 16 * sizeof light[k][0]);
     j->r->shade->encode(light[0], light[1], light[2], count, rgba);
-    count = 0;
-    for (uint32_t left = all; left; left &= left - 1, count++)
-        memcpy(to + 4 * __builtin_ctz(left), rgba + 4 * count, 4);
+    memcpy(to, rgba, 4 * count);
+    return to + 4 * count;
+}
+
+/* A tile's pixels with more samples, row by row, without those between. */
+static uint8_t *pixels_of_tile(const tile_job *j, uint32_t index)
+{
+    return j->r->smooth + (size_t)index * (4 * DAFT_TILE * DAFT_TILE);
 }
 
 void daft_refine_tile(void *context, uint32_t index, uint32_t worker)
@@ -192,7 +197,8 @@ void daft_refine_tile(void *context, uint32_t index, uint32_t worker)
         see(&r);
         for (int i = 0; i < SCALE * SCALE; i++) refine_part(&r, i);
         shade_fresh(&r);
-        for (int y = 0; y < j.s->tile.height; y++) write_row(&r, &j.s->tile, y);
+        uint8_t *to = pixels_of_tile(&j, index);
+        for (int y = 0; y < j.s->tile.height; y++) to = write_row(&r, y, to);
         ran(&j, DAFT_EFFECT_ANTIALIASING);
     }
     memcpy(j.r->edges[index].outline, r.edges.outline, sizeof r.edges.outline);
@@ -206,12 +212,12 @@ void daft_show_edges(void *context, uint32_t index, uint32_t worker)
     daft_frame *frame = context;
     tile_job j = daft_tile_again(frame, index, worker);
     const daft_edges *edges = &j.r->edges[index];
-    const size_t width = (size_t)j.snapshot->width;
-    for (int y = 0; y < DAFT_TILE; y++)
-        for (uint32_t left = edges->outline[y] | edges->inner[y]; left; left &= left - 1) {
-            const size_t row = (size_t)(j.s->tile.y + y), x = (size_t)(j.s->tile.x + __builtin_ctz(left));
-            memcpy(j.frame->target->pixels + 4 * (row * width + x),
-                   j.r->smooth + 4 * ((row - (size_t)j.snapshot->first_row) * width + x), 4);
-        }
+    const uint8_t *from = pixels_of_tile(&j, index);
+    for (int y = 0; y < DAFT_TILE; y++) {
+        uint32_t left = edges->outline[y] | edges->inner[y];
+        if (!left) continue;
+        uint8_t *row = daft_frame_row(frame, j.s->tile.y + y) + 4 * (size_t)j.s->tile.x;
+        for (; left; left &= left - 1, from += 4) memcpy(row + 4 * __builtin_ctz(left), from, 4);
+    }
     book(&j, DAFT_EFFECT_ANTIALIASING);
 }
