@@ -51,7 +51,7 @@ typedef struct daft_holes {
     float area, grazing, left, top, focal2;
 } daft_holes;
 
-/* Seen at less than this cosine, a pixel's patch is as large as at this: as render/surface_kernel.c has it. */
+/* Seen at less than this cosine, a pixel's patch is as large as at this: as render/points/surface_kernel.c has it. */
 #define DAFT_HOLE_GRAZING 0.01f
 /* How much alpha must be under the cutoff, beside what coordinates are off by: levels and filters round. */
 #define DAFT_HOLE_MARGIN 0x1p-10f

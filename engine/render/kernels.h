@@ -56,7 +56,7 @@ typedef struct daft_ray_batch {
 } daft_ray_batch;
 
 /* The different facets (triangles or spheres) that a batch's rays meet. Rows are the kernels' own: see
- * render/surface.h. */
+ * render/points/surface.h. */
 enum { DAFT_FACET_FLOATS = 48 };
 typedef struct daft_facets {
     uint32_t count;

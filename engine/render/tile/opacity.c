@@ -17,7 +17,7 @@ typedef struct beam {
     uint32_t reads;
 } beam;
 
-/* As render/surface_kernel.c has it of points. */
+/* As render/points/surface_kernel.c has it of points. */
 static daft_vec2 sphere_uv(const daft_instance *s, daft_vec3 p)
 {
     const daft_vec3 from = daft_sub(p, daft_v3(s->to_frame.t[0], s->to_frame.t[1], s->to_frame.t[2]));
@@ -38,7 +38,7 @@ static daft_vec2 triangle_uv(const daft_trimesh *mesh, const daft_pierced *hit)
     return uv;
 }
 
-/* As render/surface_kernel.c has it of points. */
+/* As render/points/surface_kernel.c has it of points. */
 static float vertex_alpha(const daft_trimesh *mesh, const daft_pierced *hit)
 {
     if (!mesh || !mesh->alphas) return 1;

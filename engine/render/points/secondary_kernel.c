@@ -17,7 +17,7 @@
  * of lanes: the light of a pixel is summed in that order. */
 #include "render/dice.h"
 #include "render/kernels.h"
-#include "render/surface.h"
+#include "render/points/surface.h"
 #include "shade/material_lanes.h"
 
 #define GRAZING 1e-3f /* the sine of the least angle between a facet and a ray that leaves it */

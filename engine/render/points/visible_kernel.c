@@ -1,6 +1,6 @@
 /* What the camera's pixels see, listed: pixels with a hit become a batch's points, the others rays to the sky, and each
  * triangle or sphere that several windows see becomes one facet. surface_kernel.c makes surfaces of them. */
-#include "render/surface.h"
+#include "render/points/surface.h"
 
 /* Bits of the pixels of a row, from `at` on, that are the last of a run that sees one facet; `count` of them count. */
 DAFT_INLINE vbits run_ends(const daft_tile *tile, int at, int count)

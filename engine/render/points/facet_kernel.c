@@ -3,7 +3,7 @@
  * surface_kernel.c interpolates at the hit points from these rows. A plane's normal and height are taken in double, so
  * that the points are as precise as that file promises. */
 #include "math/simd/ops.h"
-#include "render/surface.h"
+#include "render/points/surface.h"
 
 #include <stddef.h>
 

@@ -1,4 +1,5 @@
-/* What the three kernel sources of surfaces share: facets that a batch's rays meet, set up. */
+/* points: batches of points where rays meet surfaces, and the rays that go on from there. This header: what the kernel
+ * sources share, facets that a batch's rays meet, set up. Public headers: none */
 #ifndef DAFT_SURFACE_H
 #define DAFT_SURFACE_H
 

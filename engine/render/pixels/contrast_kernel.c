@@ -152,7 +152,9 @@ void DAFT_KERNEL(daft_find_contrast)(const daft_neighbours *n, const daft_contra
         bits down = {0, 0, 0, 0}, right = {0, 0, 0, 0};
         if (y + AHEAD < DAFT_TILE) {
             const uint8_t *p = n->pixel + 4 * (y + AHEAD) * n->stride;
-            __builtin_prefetch(p); __builtin_prefetch(p + 64); __builtin_prefetch(p + 128);
+            __builtin_prefetch(p);
+            __builtin_prefetch(p + 64);
+            __builtin_prefetch(p + 128);
         }
         for (int x = 0; x < DAFT_TILE; x += DAFT_VL) {
             add(&down, look(&s, x, y, 0, 1), x);

@@ -11,7 +11,7 @@
  * it back; the path that its ray came along is free. No constant depends on the scene's scale. Shadow rays start from a
  * point raised to where the smooth surface would be, so that facets do not show in the terminator (Hanika, "Hacking the
  * Shadow Terminator", Ray Tracing Gems II, 2021, chapter 4). */
-#include "render/surface.h"
+#include "render/points/surface.h"
 
 #include "math/simd/elementary.h"
 
