@@ -18,7 +18,7 @@
 
 /* Steps of a byte between neighbours; within a surface of its light alone, since textures are filtered already. */
 static const daft_contrast LIMIT = {
-    .of = {[DAFT_OWN_MATTE] = {.outline = 20, .crease = 15, .inner = 14},
+    .of = {[DAFT_OWN_MATTE] = {.outline = 20, .crease = 18, .inner = 14},
            [DAFT_OWN_TEXTURED] = {.outline = 60, .crease = 60, .inner = 24}, /* textures hide faint edges */
            [DAFT_OWN_MIRRORS] = {.outline = 18, .crease = 18, .inner = 13},
            [DAFT_OWN_PASSES] = {.outline = 20, .crease = 20, .inner = 14}},
