@@ -3,6 +3,7 @@
 #include "platform/audio.h"
 
 #include "common/util.h"
+#include "platform/flac.h"
 
 #include <SDL.h>
 #include <SDL_mixer.h>
@@ -122,61 +123,17 @@ static bool is_known(const uint8_t *b, size_t size)
            (b[0] == 0xff && (b[1] & 0xe0) == 0xe0);
 }
 
-/* CRC-8 by x^8 + x^2 + x + 1, as at the end of the header of a FLAC frame (RFC 9639, 9.1.8). */
-static uint8_t crc8(const uint8_t *b, size_t size)
+/* Seconds: of FLAC by its frames, else what the file says of itself, before anything is decoded. 0: the error says why
+ * it cannot be told, or is too long. */
+static double length_of(const void *bytes, size_t size, const char *name, daft_error *error)
 {
-    uint8_t crc = 0;
-    for (size_t i = 0; i < size; i++) {
-        crc ^= b[i];
-        for (int k = 0; k < 8; k++) crc = (uint8_t)(crc & 0x80 ? crc << 1 ^ 7 : crc << 1);
-    }
-    return crc;
-}
-
-/* The channels of a FLAC frame whose header the bytes begin with; 0: it is none (RFC 9639, 9.1). */
-static int frame_channels(const uint8_t *b, size_t size)
-{
-    if (size < 16 || b[0] != 0xff || (b[1] & 0xfe) != 0xf8 || b[3] & 1 || b[3] >> 4 > 10) return 0;
-    const int block = b[2] >> 4, rate = b[2] & 15;
-    size_t length = 5;
-    for (uint8_t ones = b[4]; ones >= 0xc0 && length < 11; ones = (uint8_t)(ones << 1)) length++;
-    length += block == 6 ? 1 : block == 7 ? 2 : 0;
-    length += rate == 12 ? 1 : rate == 13 || rate == 14 ? 2 : 0;
-    if (length >= size || crc8(b, length) != b[length]) return 0;
-    return b[3] >> 4 < 8 ? (b[3] >> 4) + 1 : 2;
-}
-
-/* Whether the first frame of a FLAC file has the channels that the file says it has: SDL_mixer reads as many as the
- * latter of each frame, and crashes where there are fewer. True of other files. */
-static bool has_its_channels(const uint8_t *b, size_t size)
-{
-    size_t at = 4;
-    int channels = 0;
-    bool last = false;
-    if (size < 4 || memcmp(b, "fLaC", 4) != 0) return true;
-    while (!last) {
-        if (size - at < 4) return false;
-        const size_t length = (size_t)b[at + 1] << 16 | (size_t)b[at + 2] << 8 | b[at + 3];
-        if (size - at - 4 < length) return false;
-        if ((b[at] & 0x7f) == 0 && length >= 34 && (b[at + 16] >> 1 & 7) + 1 > channels)
-            channels = (b[at + 16] >> 1 & 7) + 1;
-        last = b[at] >> 7;
-        at += 4 + length;
-    }
-    for (; at < size; at++) {
-        const int found = frame_channels(b + at, size - at);
-        if (found) return found >= channels;
-    }
-    return false;
-}
-
-/* Seconds, from what the file says of itself, before anything is decoded; 0: it cannot be told. */
-static double length_of(const void *bytes, size_t size)
-{
+    if (flac_is(bytes, size)) return flac_seconds(bytes, size, SOUND_SECONDS, name, error);
     Mix_Music *music = Mix_LoadMUS_RW(SDL_RWFromConstMem(bytes, (int)size), 1);
     const double seconds = music ? Mix_MusicDuration(music) : 0;
     if (music) Mix_FreeMusic(music);
-    return seconds > 0 ? seconds : 0;
+    if (!(seconds > 0)) return fail_at(error, name, 0, 0, "the sound is broken, or has no length");
+    if (seconds > SOUND_SECONDS) return fail_at(error, name, 0, 0, "the sound is longer than 10 minutes");
+    return seconds;
 }
 
 static bool is_mono(const int16_t *frames, uint32_t count)
@@ -208,11 +165,9 @@ sound *audio_decode(daft_engine *engine, const daft_allocator *memory, const voi
                     daft_error *error)
 {
     if (size > INT_MAX || !is_known(bytes, size)) return refuse(error, name, "this is no WAV, OGG, FLAC or MP3 file");
-    if (!has_its_channels(bytes, size)) return refuse(error, name, "the sound is broken");
     if (!open_output(false, error)) return NULL;
-    const double seconds = length_of(bytes, size);
-    if (seconds == 0) return refuse(error, name, "the sound is broken, or has no length");
-    if (seconds > SOUND_SECONDS) return refuse(error, name, "the sound is longer than 10 minutes");
+    const double seconds = length_of(bytes, size, name, error);
+    if (seconds == 0) return NULL;
     const uint64_t room = (uint64_t)((seconds + 1) * SOUND_RATE) * 4; /* while both are in memory */
     if (!daft_engine_reserve(engine, room)) {
         fail(error, DAFT_ERROR_MEMORY, "out of memory for a sound of %.1f s", seconds);

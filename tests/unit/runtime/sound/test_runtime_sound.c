@@ -494,6 +494,75 @@ static void flac_has_the_channels_that_it_says(void **unused)
     free(bytes);
 }
 
+/* ---- FLAC files made by hand (RFC 9639) ---- */
+
+static uint32_t crc(const uint8_t *b, size_t size, int bits, uint32_t polynomial)
+{
+    uint32_t rest = 0;
+    for (size_t i = 0; i < size; i++) {
+        rest ^= (uint32_t)b[i] << (bits - 8);
+        for (int k = 0; k < 8; k++) rest = rest >> (bits - 1) & 1 ? rest << 1 ^ polynomial : rest << 1;
+    }
+    return rest & ((1u << bits) - 1);
+}
+
+enum { FLAC_HEADER = 42, FLAC_BLOCK = 65535 };
+
+/* 44,100 samples a second of 16 bits, one second in all. */
+static void flac_header(uint8_t b[FLAC_HEADER], int channels)
+{
+    const uint8_t start[] = {'f', 'L', 'a', 'C', 0x80, 0, 0, 34, 0xff, 0xff, 0xff, 0xff, 0, 0, 0, 0, 0, 0};
+    memset(b, 0, FLAC_HEADER);
+    memcpy(b, start, sizeof start);
+    b[18] = 44100 >> 12, b[19] = 44100 >> 4 & 0xff, b[20] = (uint8_t)((44100 & 15) << 4 | (channels - 1) << 1);
+    b[21] = 15 << 4, b[24] = 44100 >> 8, b[25] = 44100 & 0xff;
+}
+
+/* A frame of FLAC_BLOCK equal samples; gives its bytes. */
+static size_t flac_frame(uint8_t *b, int channels, int number)
+{
+    const uint8_t start[] = {0xff, 0xf8, 0x70, (uint8_t)((channels - 1) << 4 | 8), (uint8_t)number, 0xff, 0xfe};
+    size_t size = sizeof start;
+    memcpy(b, start, size);
+    b[size] = (uint8_t)crc(b, size, 8, 7), size++;
+    for (int k = 0; k < channels; k++) b[size] = 0, b[size + 1] = 1, b[size + 2] = 0, size += 3;
+    const uint32_t end = crc(b, size, 16, 0x8005);
+    b[size] = (uint8_t)(end >> 8), b[size + 1] = (uint8_t)end;
+    return size + 2;
+}
+
+static sound *flac_of(const int *channels, int frames)
+{
+    static uint8_t bytes[FLAC_HEADER + 32 * 1000];
+    size_t size = FLAC_HEADER;
+    flac_header(bytes, channels[0]);
+    for (int i = 0; i < frames; i++) size += flac_frame(bytes + size, channels[i], i % 128);
+    return audio_decode(engine, NULL, bytes, size, "made.flac", &error);
+}
+
+static void flac_keeps_its_channels(void **unused)
+{
+    (void)unused;
+    if (!can_decode()) skip();
+    sound *s = flac_of((const int[]){2, 2, 2}, 3);
+    if (!s) fail_msg("%s", error.message);
+    sound_release(s);
+    assert_null(flac_of((const int[]){2, 2, 1}, 3));
+    assert_string_equal(error.message, "the sound is broken");
+    assert_string_equal(error.file, "made.flac");
+}
+
+/* Twelve minutes in 9 kB that say they are a second. */
+static void flac_is_as_long_as_its_frames(void **unused)
+{
+    (void)unused;
+    static int mono[500];
+    if (!can_decode()) skip();
+    for (int i = 0; i < 500; i++) mono[i] = 1;
+    assert_null(flac_of(mono, 500));
+    assert_string_equal(error.message, "the sound is longer than 10 minutes");
+}
+
 /* One frame a second for hours: a small file that would be large in memory. */
 static void a_small_file_cannot_ask_for_much_memory(void **unused)
 {
@@ -563,6 +632,8 @@ int main(void)
                                        cmocka_unit_test(files_of_all_kinds_have_the_same_tone),
                                        cmocka_unit_test(broken_files_are_refused),
                                        cmocka_unit_test(flac_has_the_channels_that_it_says),
+                                       cmocka_unit_test(flac_keeps_its_channels),
+                                       cmocka_unit_test(flac_is_as_long_as_its_frames),
                                        cmocka_unit_test(a_small_file_cannot_ask_for_much_memory),
                                        cmocka_unit_test(a_tape_is_a_sound_file)};
     return cmocka_run_group_tests(tests, open_engine, close_engine);
