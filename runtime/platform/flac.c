@@ -7,7 +7,11 @@ enum { OGG_PACKET = 28 }; /* where the first packet of an Ogg file begins */
 
 static bool is_in_ogg(const uint8_t *b, size_t size)
 {
-    return size > OGG_PACKET + 5 && memcmp(b, "OggS", 4) == 0 && memcmp(b + OGG_PACKET, "\x7f" "FLAC", 5) == 0;
+    return size > OGG_PACKET + 5 && memcmp(b, "OggS", 4) == 0 &&
+           memcmp(b + OGG_PACKET,
+                  "\x7f"
+                  "FLAC",
+                  5) == 0;
 }
 
 bool flac_is(const void *bytes, size_t size)
@@ -46,7 +50,7 @@ static FLAC__StreamDecoderWriteStatus take(const FLAC__StreamDecoder *unused, co
     f->fewer = h->channels < f->channels;
     f->seconds += h->sample_rate ? (double)h->blocksize / h->sample_rate : 0;
     return f->fewer || f->seconds > f->most ? FLAC__STREAM_DECODER_WRITE_STATUS_ABORT
-                                   : FLAC__STREAM_DECODER_WRITE_STATUS_CONTINUE;
+                                            : FLAC__STREAM_DECODER_WRITE_STATUS_CONTINUE;
 }
 
 static void tell(const FLAC__StreamDecoder *unused, const FLAC__StreamMetadata *metadata, void *user)

@@ -75,16 +75,19 @@ DAFT_INLINE vi kind_of(const pixels *a, const pixels *b)
     return vi_if_then_else(vm_and(known, vm_not(none)), kind, vi_set(DAFT_OWN_MATTE));
 }
 
-DAFT_INLINE vi limit_of(const daft_contrast *limit, vi kind, vm same, vm instance)
-{
-    const vi which = vi_if_then_else(same, vi_set(2), vi_if_then_else(instance, vi_set(1), vi_set(0)));
-    return vi_gather_index(&limit->of[0].outline, kind * vi_set(3) + which);
-}
-
-static bits disagree(const pixels *a, const pixels *b, const daft_contrast *limit)
+/* By how much they may differ. */
+DAFT_INLINE vi most_of(const pixels *a, const pixels *b, const daft_contrast *limit)
 {
     const vm same = vi_eq(a->id, b->id), instance = vi_eq(a->id >> DAFT_ID_INSTANCE, b->id >> DAFT_ID_INSTANCE);
-    const vi most = limit_of(limit, kind_of(a, b), same, instance);
+    const vi which = vi_if_then_else(same, vi_set(2), vi_if_then_else(instance, vi_set(1), vi_set(0)));
+    return vi_gather_index(&limit->of[0].outline, kind_of(a, b) * vi_set(3) + which);
+}
+
+/* Not part of the search, which is over sooner without: few registers come here. */
+static __attribute__((noinline)) bits disagree(const pixels *a, const pixels *b, const daft_contrast *limit)
+{
+    const vm same = vi_eq(a->id, b->id);
+    const vi most = most_of(a, b, limit);
     const vbits differ = apart(&a->color, &b->color, most * vi_set(HALVES(1)));
     if (!differ) return (bits){0, 0, 0, 0};
     const vbits sky = vbits_from_mask(vi_eq(a->id, vi_set((int32_t)DAFT_ID_SKY))), alike = vbits_from_mask(same);
@@ -171,10 +174,15 @@ void DAFT_KERNEL(daft_find_contrast)(const daft_neighbours *n, const daft_contra
 
 /* ---- corners of pixels ---- */
 
-/* Pixels that disagree and see different things. */
+/* Pixels that disagree and see different things, which few do. */
 DAFT_INLINE uint32_t differ(const search *s, int x, int y, int right, int down)
 {
-    return look(s, x, y, right, down).outline;
+    const uint32_t *id = s->n->id + y * s->n->id_stride + x;
+    const vm same = vi_eq(vi_load(id), vi_load(id + down * s->n->id_stride + right));
+    if (vbits_from_mask(same) == DAFT_ALL_LANES) return 0;
+    const pixels here = pixels_at(s->n, x, y), there = pixels_at(s->n, x + right, y + down);
+    return apart(&here.color, &there.color, most_of(&here, &there, s->limit) * vi_set(HALVES(1))) &
+           ~vbits_from_mask(same);
 }
 
 void DAFT_KERNEL(daft_find_corners)(const daft_neighbours *n, const daft_contrast *limit, uint32_t out[DAFT_TILE])
