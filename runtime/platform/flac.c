@@ -7,11 +7,9 @@ enum { OGG_PACKET = 28 }; /* where the first packet of an Ogg file begins */
 
 static bool is_in_ogg(const uint8_t *b, size_t size)
 {
-    return size > OGG_PACKET + 5 && memcmp(b, "OggS", 4) == 0 &&
-           memcmp(b + OGG_PACKET,
-                  "\x7f"
-                  "FLAC",
-                  5) == 0;
+    static const uint8_t start[] = {0x7f, 'F', 'L', 'A', 'C'};
+    if (size < OGG_PACKET + sizeof start || memcmp(b, "OggS", 4) != 0) return false;
+    return memcmp(b + OGG_PACKET, start, sizeof start) == 0;
 }
 
 bool flac_is(const void *bytes, size_t size)

@@ -21,7 +21,7 @@ static const daft_contrast LIMIT = {
     .of = {[DAFT_OWN_MATTE] = {.outline = 20, .crease = 18, .inner = 14},
            [DAFT_OWN_TEXTURED] = {.outline = 60, .crease = 60, .inner = 24}, /* textures hide faint edges */
            [DAFT_OWN_MIRRORS] = {.outline = 18, .crease = 18, .inner = 13},
-           [DAFT_OWN_PASSES] = {.outline = 20, .crease = 18, .inner = 14}},
+           [DAFT_OWN_PASSES] = {.outline = 20, .crease = 20, .inner = 14}},
     .strong = 50,
     .stark = 100,
 };
