@@ -117,10 +117,11 @@ void audio_close(void)
 /* SDL2_mixer reads more than these, by code that nobody has hardened against strangers' files. */
 static bool is_known(const uint8_t *b, size_t size)
 {
+    static const uint8_t flac[] = {0x7f, 'F', 'L', 'A', 'C'}; /* in Ogg: unread here, and unchecked by flac_seconds */
     if (size < 12) return false;
+    if (memcmp(b, "OggS", 4) == 0) return size < 28 + sizeof flac || memcmp(b + 28, flac, sizeof flac) != 0;
     if (memcmp(b, "RIFF", 4) == 0) return memcmp(b + 8, "WAVE", 4) == 0;
-    return memcmp(b, "OggS", 4) == 0 || memcmp(b, "fLaC", 4) == 0 || memcmp(b, "ID3", 3) == 0 ||
-           (b[0] == 0xff && (b[1] & 0xe0) == 0xe0);
+    return flac_is(b, size) || memcmp(b, "ID3", 3) == 0 || (b[0] == 0xff && (b[1] & 0xe0) == 0xe0);
 }
 
 /* Seconds: of FLAC by its frames, else what the file says of itself, before anything is decoded. 0: the error says why

@@ -3,19 +3,7 @@
 
 #include <string.h>
 
-enum { OGG_PACKET = 28 }; /* where the first packet of an Ogg file begins */
-
-static bool is_in_ogg(const uint8_t *b, size_t size)
-{
-    static const uint8_t start[] = {0x7f, 'F', 'L', 'A', 'C'};
-    if (size < OGG_PACKET + sizeof start || memcmp(b, "OggS", 4) != 0) return false;
-    return memcmp(b + OGG_PACKET, start, sizeof start) == 0;
-}
-
-bool flac_is(const void *bytes, size_t size)
-{
-    return is_in_ogg(bytes, size) || (size >= 4 && memcmp(bytes, "fLaC", 4) == 0);
-}
+bool flac_is(const void *bytes, size_t size) { return size >= 4 && memcmp(bytes, "fLaC", 4) == 0; }
 
 #ifdef DAFT_HAS_FLAC
 
@@ -71,9 +59,7 @@ double flac_seconds(const void *bytes, size_t size, double most, const char *nam
     FLAC__StreamDecoder *decoder = FLAC__stream_decoder_new();
     if (!decoder) return fail(error, DAFT_ERROR_MEMORY, "out of memory for a sound");
     const FLAC__StreamDecoderInitStatus status =
-        is_in_ogg(bytes, size)
-            ? FLAC__stream_decoder_init_ogg_stream(decoder, give, NULL, NULL, NULL, NULL, take, tell, pass, &f)
-            : FLAC__stream_decoder_init_stream(decoder, give, NULL, NULL, NULL, NULL, take, tell, pass, &f);
+        FLAC__stream_decoder_init_stream(decoder, give, NULL, NULL, NULL, NULL, take, tell, pass, &f);
     if (status == FLAC__STREAM_DECODER_INIT_STATUS_OK) FLAC__stream_decoder_process_until_end_of_stream(decoder);
     FLAC__stream_decoder_delete(decoder);
     if (f.fewer || f.channels == 0 || f.seconds == 0) return fail_at(error, name, 0, 0, "the sound is broken");

@@ -6,7 +6,7 @@
 
 #include <stddef.h>
 
-/* Whether the bytes are a FLAC file, on its own or in Ogg, as SDL_mixer tells one. */
+/* Whether the bytes begin as a FLAC file does. */
 bool flac_is(const void *bytes, size_t size);
 
 /* Decodes all of such a file, and gives its length in seconds. Every frame must have the channels that the file says it

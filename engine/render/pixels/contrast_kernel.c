@@ -83,7 +83,7 @@ DAFT_INLINE vi most_of(const pixels *a, const pixels *b, const daft_contrast *li
     return vi_gather_index(&limit->of[0].outline, kind_of(a, b) * vi_set(3) + which);
 }
 
-/* Not part of the search, which is over sooner without: few registers come here. */
+/* Out of line: few registers get here, and the search of the others is faster without it. */
 static __attribute__((noinline)) bits disagree(const pixels *a, const pixels *b, const daft_contrast *limit)
 {
     const vm same = vi_eq(a->id, b->id);
@@ -103,9 +103,10 @@ static __attribute__((noinline)) bits disagree(const pixels *a, const pixels *b,
     return out;
 }
 
-enum { AHEAD = 8 };
-/* A search; `least`: of all limits. */
+enum { AHEAD = 8 }; /* rows that are fetched before they are looked at: each lies pages from the one above */
 typedef uint8_t bytes __attribute__((vector_size(DAFT_VL * 4), aligned(1), may_alias));
+
+/* A search; `least`: of all limits. */
 typedef struct search {
     const daft_neighbours *n;
     const daft_contrast *limit;
@@ -175,27 +176,25 @@ void DAFT_KERNEL(daft_find_contrast)(const daft_neighbours *n, const daft_contra
 /* ---- corners of pixels ---- */
 
 /* Pixels that disagree and see different things, which few do. */
-DAFT_INLINE uint32_t differ(const search *s, int x, int y, int right, int down)
+DAFT_INLINE uint32_t differ(const daft_neighbours *n, const daft_contrast *limit, int x, int y, int right, int down)
 {
-    const uint32_t *id = s->n->id + y * s->n->id_stride + x;
-    const vm same = vi_eq(vi_load(id), vi_load(id + down * s->n->id_stride + right));
+    const uint32_t *id = n->id + y * n->id_stride + x;
+    const vm same = vi_eq(vi_load(id), vi_load(id + down * n->id_stride + right));
     if (vbits_from_mask(same) == DAFT_ALL_LANES) return 0;
-    const pixels here = pixels_at(s->n, x, y), there = pixels_at(s->n, x + right, y + down);
-    return apart(&here.color, &there.color, most_of(&here, &there, s->limit) * vi_set(HALVES(1))) &
-           ~vbits_from_mask(same);
+    const pixels here = pixels_at(n, x, y), there = pixels_at(n, x + right, y + down);
+    return apart(&here.color, &there.color, most_of(&here, &there, limit) * vi_set(HALVES(1))) & ~vbits_from_mask(same);
 }
 
 void DAFT_KERNEL(daft_find_corners)(const daft_neighbours *n, const daft_contrast *limit, uint32_t out[DAFT_TILE])
 {
-    const search s = begin(n, limit);
     uint32_t across_above = 0;
     for (int y = -1; y < DAFT_TILE; y++) {
         uint32_t across = 0, down = 0;
         for (int x = 0; x < DAFT_TILE; x += DAFT_VL) {
-            across |= differ(&s, x - 1, y, 1, 0) << x;
-            if (y >= 0) down |= differ(&s, x, y - 1, 0, 1) << x;
+            across |= differ(n, limit, x - 1, y, 1, 0) << x;
+            if (y >= 0) down |= differ(n, limit, x, y - 1, 0, 1) << x;
         }
-        if (y >= 0) out[y] = across_above | across | down | down << 1 | (differ(&s, -1, y - 1, 0, 1) & 1);
+        if (y >= 0) out[y] = across_above | across | down | down << 1 | (differ(n, limit, -1, y - 1, 0, 1) & 1);
         across_above = across;
     }
 }

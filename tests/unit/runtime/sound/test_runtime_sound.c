@@ -552,6 +552,15 @@ static void flac_keeps_its_channels(void **unused)
     assert_string_equal(error.file, "made.flac");
 }
 
+static void flac_in_ogg_is_no_sound(void **unused)
+{
+    (void)unused;
+    if (!can_decode()) skip();
+    uint8_t page[64] = {'O', 'g', 'g', 'S', [28] = 0x7f, 'F', 'L', 'A', 'C'};
+    assert_null(audio_decode(engine, NULL, page, sizeof page, "flac.ogg", &error));
+    assert_string_equal(error.message, "this is no WAV, OGG, FLAC or MP3 file");
+}
+
 /* Twelve minutes in 9 kB that say they are a second. */
 static void flac_is_as_long_as_its_frames(void **unused)
 {
@@ -633,6 +642,7 @@ int main(void)
                                        cmocka_unit_test(broken_files_are_refused),
                                        cmocka_unit_test(flac_has_the_channels_that_it_says),
                                        cmocka_unit_test(flac_keeps_its_channels),
+                                       cmocka_unit_test(flac_in_ogg_is_no_sound),
                                        cmocka_unit_test(flac_is_as_long_as_its_frames),
                                        cmocka_unit_test(a_small_file_cannot_ask_for_much_memory),
                                        cmocka_unit_test(a_tape_is_a_sound_file)};
