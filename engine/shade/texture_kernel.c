@@ -4,7 +4,10 @@
  *
  * Anisotropic filters take the mean of trilinear samples along the footprint's major axis, at the level of the minor
  * one (McCormack, Perry, Farkas, Jouppi, "Feline: Fast Elliptical Lines for Anisotropic Texture Mapping", SIGGRAPH
- * 1999; weights are equal here, as a pixel's are, which is what EXT_texture_filter_anisotropic does, too). */
+ * 1999; weights are equal here, as a pixel's are, which is what EXT_texture_filter_anisotropic does, too).
+ *
+ * Close up, where a pixel has the size of a texel or less, one sample in its middle is not its mean: between texels
+ * colours bend, and slopes of heights jump. There the same number of samples is spread over the pixel. */
 #include "shade/batch_lanes.h"
 #include "shade/texture_taps.h"
 
@@ -104,10 +107,23 @@ DAFT_INLINE texture_lanes lanes_of(const daft_batch *batch, const material_reade
 
 /* ---- along the footprint ---- */
 
-/* The major axis in units of u and v, how many samples lie along it, each one's weight, and the side in texels of what
- * it stands for. */
+/* Of a pixel's side, what a level is chosen by: texels between which colours are interpolated weigh over twice their
+ * own side. 0.77 has the least error against 208 samples of each pixel in five scenes of assets/scenes; 1 has up to 2 %
+ * more, 0.5 up to 1 %. */
+#define SHARP 0.77f
+
+/* Sides, in texels, of pixels that are close up. Of smaller ones any point is the mean. */
+#define CLOSE_LEAST 0.25f
+#define CLOSE_MOST  1.5f
+
+enum { SPREAD = 4 }; /* samples of a pixel that is close up, by a rotated grid */
+static const float SPREAD_AT[SPREAD][2] = {{-0.125f, -0.375f}, {0.375f, -0.125f}, {0.125f, 0.375f}, {-0.375f, 0.125f}};
+
+/* The major axis in units of u and v, how many samples lie along it, each one's weight, and the side in texels by which
+ * their level is chosen; or those that are close up. */
 typedef struct texture_line {
     vf u, v, count, share, side;
+    vm close;
 } texture_line;
 
 /* With the diameters as columns of M, in texels, the squares of the ellipse's axes are the eigenvalues of M times its
@@ -130,10 +146,32 @@ DAFT_INLINE texture_line line_of(const texture_lanes *at, const daft_texture_dat
     line.v = y * scale * vf_set(1.0f / (float)t->height[0]);
     line.count = vf_floor(ratio + vf_set(0.875f)), line.share = one / line.count;
     line.side = vf_max(minor, major * line.share);
+    line.close = vm_and(vm_and(vf_lt(vf_set(CLOSE_LEAST), line.side), vf_lt(line.side, vf_set(CLOSE_MOST))),
+                        vf_lt(line.count, vf_set(2)));
+    line.side *= vf_set(SHARP);
     return line;
 }
 
-/* The side, in texels, of what one sample stands for. */
+/* Each of the samples close up stands for half the pixel's side. */
+DAFT_INLINE void come_close(texture_line *line)
+{
+    line->count = vf_if_then_else(line->close, vf_set(SPREAD), line->count);
+    line->share = vf_if_then_else(line->close, vf_set(1.0f / SPREAD), line->share);
+    line->side = vf_if_then_else(line->close, vf_set(0.5f) * line->side, line->side);
+}
+
+/* Where sample k is, in units of u and v from the middle. */
+DAFT_INLINE void sample_at(const texture_lanes *at, const texture_line *line, int k, vf *u, vf *v)
+{
+    const vf along = (vf_set((float)k) + vf_set(0.5f)) * line->share - vf_set(0.5f);
+    *u = line->u * along, *v = line->v * along;
+    if (k >= SPREAD || !vbits_from_mask(line->close)) return;
+    const vf x = vf_set(SPREAD_AT[k][0]), y = vf_set(SPREAD_AT[k][1]);
+    *u = vf_if_then_else(line->close, at->first_u * x + at->second_u * y, *u);
+    *v = vf_if_then_else(line->close, at->first_v * x + at->second_v * y, *v);
+}
+
+/* The side, in texels, by which one sample's level is chosen. */
 DAFT_INLINE vf side_of(const texture_lanes *at, const daft_texture_data *t, daft_texture_filter filter)
 {
     if (TEXTURES_ALONG) return line_of(at, t, filter).side;
@@ -169,14 +207,15 @@ DAFT_INLINE void add_one(const daft_texture_data *t, const texture_lanes *at, da
 DAFT_INLINE void add_along(const daft_texture_data *t, const texture_lanes *at, daft_texture_filter filter, vbits some,
                            tap_list *list, tap_sums *sums)
 {
-    const texture_line line = line_of(at, t, filter);
+    texture_line line = line_of(at, t, filter);
+    come_close(&line);
     const tap_levels levels = choose_levels(t, line.side, filter);
     const vbits both = vbits_from_mask(vf_lt(vf_set(0), levels.blend));
-    const vf half = vf_set(0.5f);
     for (int k = 0; some; k++) {
-        const vf along = (vf_set((float)k) + half) * line.share - half;
         texture_lanes tap = *at;
-        tap.free_u += line.u * along, tap.free_v += line.v * along;
+        vf u, v;
+        sample_at(at, &line, k, &u, &v);
+        tap.free_u += u, tap.free_v += v;
         put_inside(&tap);
         add_place(list, sums, &tap, levels.fine, some, some & both);
         some &= vbits_from_mask(vf_lt(vf_set((float)k + 1.5f), line.count));
