@@ -18,6 +18,8 @@ path, *wanted = sys.argv[1:]
 data = json.load(open(path))
 spans = [e for e in data["traceEvents"] if e["ph"] == "X"]
 assert spans and all(isinstance(e["name"], str) and e["ts"] >= 0 and e["dur"] >= 0 and e["pid"] == 1 for e in spans)
+frames = [e["ts"] + e["dur"] for e in spans if e["name"] == "frame"]
+spans = [e for e in spans if not frames or e["ts"] < max(frames)]  # without those of a frame that was under way
 slack = 0.002  # microseconds: times are rounded to nanoseconds
 for track in {e["tid"] for e in spans}:
     open_spans = []
@@ -49,7 +51,11 @@ python3 "$out/look.py" "$out/play.json" frame=90 tick=90@frame daft.update=90@ti
 python3 "$out/look.py" "$out/render.json" load=1 picture=2 write=1
 
 # Ended early, and failed: the file is whole all the same.
-timeout -s TERM 2 "$program" play marble --headless --ticks 100000000 --trace "$out/early.json" >/dev/null 2>&1 || true
+: >"$out/early.txt"
+"$program" play marble --headless --ticks 100000000 --hash --trace "$out/early.json" >"$out/early.txt" 2>&1 &
+while kill -0 $! 2>/dev/null && ! grep -q '^tick 120 ' "$out/early.txt"; do sleep 0.05; done
+kill -TERM $!
+wait $! || [ $? -eq 143 ]
 python3 "$out/look.py" "$out/early.json" tick=100@frame
 "$program" play tests/games/broken_update --headless --trace "$out/failed.json" >/dev/null 2>&1 && exit 1
 python3 "$out/look.py" "$out/failed.json" tick=9@frame
