@@ -111,8 +111,8 @@ static inline uint32_t daft_pixel_id(uint32_t instance, uint32_t triangle)
 }
 
 /* Pixels of a tile that disagree with one beside, above or below them, bit x of row y: with one that sees another
- * triangle, instance, or the sky; with one that sees the same triangle or sphere in another light; and the latter by
- * more. */
+ * triangle, instance, or the sky; with one that sees the same triangle or sphere in another light; some do with both.
+ * And by how much. */
 typedef struct daft_edges {
     uint32_t outline[DAFT_TILE], inner[DAFT_TILE], strong[DAFT_TILE], stark[DAFT_TILE];
     bool sky; /* no pixel of the tile sees anything else */
@@ -141,6 +141,16 @@ typedef struct daft_contrast {
     daft_contrast_limits of[DAFT_OWN_KINDS];
     int strong, stark;
 } daft_contrast;
+/* For daft_quality.edge_contrast. Beyond 255 no two bytes differ by as much. */
+static inline daft_contrast daft_scaled_contrast(const daft_contrast *usual, float scale)
+{
+    daft_contrast out;
+    const int *from = &usual->of[0].outline;
+    int *to = &out.of[0].outline;
+    for (size_t i = 0; i < sizeof out / sizeof *to; i++)
+        to[i] = from[i] > 255 ? from[i] : daft_max_i((int)((float)from[i] * scale + 0.5f), 1);
+    return out;
+}
 
 /* Planes of a picture, to be filtered: a float for each pixel, from row to row `stride` of them; sixteen columns on
  * either side, and sixteen more on the right, may be read. */
@@ -190,21 +200,16 @@ enum { DAFT_EDGE_SCALE = DAFT_FINE, DAFT_EDGE_RAYS = DAFT_FINE_RAYS };
  * one side: the squared error of glass was a sixth more.) Two on a diagonal, a rotated grid of four, eight round the
  * middle, which the pixel's first sample has. */
 static const int32_t DAFT_EDGE_ORDER[DAFT_EDGE_RAYS] = {1, 14, 7, 8, 2, 13, 4, 11, 0, 15, 3, 12, 5, 10, 6, 9};
-enum {
-    DAFT_EDGE_TWO = 0x4002,
-    DAFT_EDGE_FOUR = 0x4182,
-    DAFT_EDGE_EIGHT = 0x6996,
-    DAFT_EDGE_TWELVE = 0xf99f,
-    DAFT_EDGE_ALL = 0xffff
-};
-/* Those that are shaded of a pixel without an outline, by what it saw first and how much changes there. A texture is
+/* The first so many of that order, as bits. */
+static const uint16_t DAFT_EDGE_FIRST[DAFT_EDGE_RAYS + 1] = {0,      0x0002, 0x4002, 0x4082, 0x4182, 0x4186,
+                                                             0x6186, 0x6196, 0x6996, 0x6997, 0xe997, 0xe99f,
+                                                             0xf99f, 0xf9bf, 0xfdbf, 0xfdff, 0xffff};
+/* How many are shaded of a pixel without an outline, by what it saw first and how much changes there. A texture is
  * filtered over the whole pixel already. What lets light through sends on several rays where a mirror sends one. */
-static const uint16_t DAFT_EDGE_INNER[DAFT_OWN_KINDS][3] = {
-    [DAFT_OWN_MATTE] = {DAFT_EDGE_FOUR, DAFT_EDGE_EIGHT, DAFT_EDGE_ALL},
-    [DAFT_OWN_TEXTURED] = {DAFT_EDGE_TWO, DAFT_EDGE_FOUR, DAFT_EDGE_EIGHT},
-    [DAFT_OWN_MIRRORS] = {DAFT_EDGE_FOUR, DAFT_EDGE_EIGHT, DAFT_EDGE_TWELVE},
-    [DAFT_OWN_PASSES] = {DAFT_EDGE_TWO, DAFT_EDGE_FOUR, DAFT_EDGE_EIGHT},
-};
+static const uint8_t DAFT_EDGE_INNER[DAFT_OWN_KINDS][3] = {[DAFT_OWN_MATTE] = {4, 8, 16},
+                                                           [DAFT_OWN_TEXTURED] = {4, 4, 6},
+                                                           [DAFT_OWN_MIRRORS] = {4, 8, 12},
+                                                           [DAFT_OWN_PASSES] = {2, 4, 8}};
 typedef struct daft_edge_part {
     const daft_fine_tile *rays; /* what those of the tile see */
     float x, y;                 /* where the tile's first one goes, before it is turned */

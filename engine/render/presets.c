@@ -4,10 +4,12 @@
 
 /* Half a step of 8-bit sRGB is 1/3300 of white. */
 static const daft_quality PRESETS[] = {
-    [DAFT_PRESET_DRAFT] = {.scale = 1, .samples = 1, .refraction_depth = 6, .min_weight = 1.0f / 256},
+    [DAFT_PRESET_DRAFT] =
+        {.scale = 1, .samples = 1, .edge_contrast = 1, .refraction_depth = 6, .min_weight = 1.0f / 256},
     [DAFT_PRESET_GAME] = {.scale = 1,
                           .samples = 1,
                           .edge_samples = 4,
+                          .edge_contrast = 1,
                           .shadows = true,
                           .shadow_samples = 1,
                           .occlusion_samples = 1,
@@ -19,6 +21,7 @@ static const daft_quality PRESETS[] = {
                           .half_light = true},
     [DAFT_PRESET_HIGH] = {.scale = 1,
                           .samples = 4,
+                          .edge_contrast = 1,
                           .shadows = true,
                           .shadow_samples = 4,
                           .occlusion_samples = 4,
@@ -31,6 +34,7 @@ static const daft_quality PRESETS[] = {
     [DAFT_PRESET_REFERENCE] = {.scale = 1,
                                .tree = DAFT_TREE_BVH,
                                .samples = 16,
+                               .edge_contrast = 1,
                                .shadows = true,
                                .shadow_samples = 16,
                                .occlusion_samples = 16,

@@ -4,7 +4,7 @@
 
 #include "daft.h"
 
-enum { KNOBS = 14, KNOB_SETTINGS = 6 };
+enum { KNOBS = 14, KNOB_SETTINGS = 8 };
 
 typedef struct knob_row {
     const char *name, *doc;

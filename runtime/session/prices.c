@@ -74,13 +74,16 @@ static const char *short_name(const char *setting)
     return value && !strchr(setting, ',') ? value + 1 : setting;
 }
 
-/* Settings of several knobs in two words: "1 sample, edges 4". */
+/* Settings of several knobs in two words: "1, edges 16 x0.5". */
 static void write_setting(const char *setting, char out[64])
 {
     int samples, edges;
-    double scale;
+    double scale, contrast;
     char filter[16];
-    if (sscanf(setting, "samples=%d,edge_samples=%d", &samples, &edges) == 2)
+    const int found = sscanf(setting, "samples=%d,edge_samples=%d,edge_contrast=%lf", &samples, &edges, &contrast);
+    if (found == 3 && contrast != 1)
+        snprintf(out, 64, "%d, edges %d x%g", samples, edges, contrast);
+    else if (found >= 2)
         snprintf(out, 64, edges ? "%d, edges %d" : "%d", samples, edges);
     else if (sscanf(setting, "scale=%lf,upscale=%15s", &scale, filter) == 2)
         snprintf(out, 64, "%g %s", scale, filter);

@@ -17,6 +17,10 @@ static const uint8_t SHADED[DAFT_OWN_KINDS][3] = {[DAFT_OWN_MATTE] = {4, 6, 12},
                                                   [DAFT_OWN_MIRRORS] = {4, 6, 8},
                                                   [DAFT_OWN_PASSES] = {4, 6, 8}};
 
+/* And of a pixel beside an outline, where nothing else changes. */
+static const uint8_t BESIDE[DAFT_OWN_KINDS] = {
+    [DAFT_OWN_MATTE] = 2, [DAFT_OWN_TEXTURED] = 0, [DAFT_OWN_MIRRORS] = 2, [DAFT_OWN_PASSES] = 2};
+
 /* Of each of the pixel's rays, by DAFT_EDGE_ORDER, what it sees. */
 DAFT_INLINE void see_pixel(const daft_fine_tile *rays, uint32_t pixel, uint32_t id[RAYS])
 {
@@ -101,6 +105,31 @@ static uint32_t kind_around(const taking *t, uint32_t id, int bits)
     return t->kind;
 }
 
+/* Some of a pixel all of whose rays see the same. */
+static void take_some(taking *t, uint32_t count)
+{
+    const float share = (float)RAYS / (float)(count + 1);
+    t->out->own[t->wanted] = share;
+    for (uint32_t left = DAFT_EDGE_FIRST[count]; left; left &= left - 1)
+        shade(t, (uint32_t)__builtin_ctz(left), share);
+}
+
+static void take_inner(taking *t) { take_some(t, DAFT_EDGE_INNER[t->kind][t->level]); }
+
+static bool is_inner(const taking *t)
+{
+    return t->part->edges->inner[t->wanted / DAFT_TILE] >> (t->wanted % DAFT_TILE) & 1;
+}
+
+/* An outline that is not in the pixel itself after all is beside it. */
+static void take_beside(taking *t)
+{
+    if (is_inner(t))
+        take_inner(t);
+    else
+        take_some(t, BESIDE[t->kind]);
+}
+
 static void take_outline(taking *t, uint32_t own)
 {
     uint32_t id[RAYS];
@@ -113,19 +142,15 @@ static void take_outline(taking *t, uint32_t own)
         for (int i = 0; i < RAYS; i++) id[i] >>= bits;
         count = group_rays(id, groups);
     }
+    if (count == 1 && groups[0].id == own >> bits) {
+        take_beside(t);
+        return;
+    }
     t->out->own[t->wanted] = 0;
     for (uint32_t k = 0; k < count; k++) {
         const bool has_own = groups[k].id == own >> bits;
         take_group(t, &groups[k], has_own ? t->kind : kind_around(t, groups[k].id, bits), has_own);
     }
-}
-
-static void take_inner(taking *t)
-{
-    const uint32_t rays = DAFT_EDGE_INNER[t->kind][t->level];
-    const float share = (float)RAYS / (float)(__builtin_popcount(rays) + 1);
-    t->out->own[t->wanted] = share;
-    for (uint32_t left = rays; left; left &= left - 1) shade(t, (uint32_t)__builtin_ctz(left), share);
 }
 
 uint32_t DAFT_KERNEL(daft_take_edges)(const daft_edge_part *part, int y, uint32_t pixels, daft_edge_rays *out)

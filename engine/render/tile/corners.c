@@ -38,7 +38,8 @@ static bool find_corners(const tile_job *j, uint32_t index, const daft_neighbour
     const uint32_t columns = tile->width == DAFT_TILE ? UINT32_MAX : (1u << tile->width) - 1;
     const int rows = index < j->frame->tile_count ? tile->height : 1;
     uint32_t any = 0;
-    j->r->kernels->corners(around, &LIMIT, asked);
+    const daft_contrast limit = daft_scaled_contrast(&LIMIT, j->snapshot->quality.edge_contrast);
+    j->r->kernels->corners(around, &limit, asked);
     for (int y = 0; y < DAFT_TILE; y++) any |= asked[y] &= y < rows ? columns : 0;
     return any != 0;
 }

@@ -18,12 +18,12 @@
 
 /* Steps of a byte between neighbours; within a surface of its light alone, since textures are filtered already. */
 static const daft_contrast LIMIT = {
-    .of = {[DAFT_OWN_MATTE] = {.outline = 20, .crease = 18, .inner = 14},
+    .of = {[DAFT_OWN_MATTE] = {.outline = 20, .crease = 14, .inner = 14},
            [DAFT_OWN_TEXTURED] = {.outline = 60, .crease = 60, .inner = 24}, /* textures hide faint edges */
-           [DAFT_OWN_MIRRORS] = {.outline = 18, .crease = 18, .inner = 13},
-           [DAFT_OWN_PASSES] = {.outline = 20, .crease = 20, .inner = 14}},
+           [DAFT_OWN_MIRRORS] = {.outline = 18, .crease = 18, .inner = 16},
+           [DAFT_OWN_PASSES] = {.outline = 25, .crease = 20, .inner = 14}},
     .strong = 50,
-    .stark = 100,
+    .stark = 125,
 };
 
 enum {
@@ -54,10 +54,11 @@ static bool find_edges(tile_job *j, daft_neighbours *around, daft_edges *edges)
     const uint32_t columns = tile->width == DAFT_TILE ? UINT32_MAX : (1u << tile->width) - 1;
     uint32_t any = 0;
     *around = daft_tile_neighbours(j);
-    j->r->kernels->contrast(around, &LIMIT, edges);
+    const daft_contrast limit = daft_scaled_contrast(&LIMIT, j->snapshot->quality.edge_contrast);
+    j->r->kernels->contrast(around, &limit, edges);
     for (int y = 0; y < DAFT_TILE; y++) {
         edges->outline[y] &= y < tile->height ? columns : 0;
-        edges->inner[y] &= y < tile->height ? columns & ~edges->outline[y] : 0;
+        edges->inner[y] &= y < tile->height ? columns : 0;
         any |= edges->outline[y] | edges->inner[y];
     }
     return any != 0;
@@ -118,8 +119,8 @@ static void refine_part(refinement *r, int number)
 /* All rays of pixels at an outline, some of others. */
 static uint32_t rays_of(const refinement *r, int x, int y)
 {
-    if (r->edges.outline[y] >> x & 1) return DAFT_EDGE_ALL;
-    return DAFT_EDGE_INNER[daft_first_kind(&r->around, x, y)][daft_edge_level(&r->edges, x, y)];
+    if (r->edges.outline[y] >> x & 1) return DAFT_EDGE_FIRST[DAFT_EDGE_RAYS];
+    return DAFT_EDGE_FIRST[DAFT_EDGE_INNER[daft_first_kind(&r->around, x, y)][daft_edge_level(&r->edges, x, y)]];
 }
 
 static void ask(const refinement *r, daft_fine_tile *fine)

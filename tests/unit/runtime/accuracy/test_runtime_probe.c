@@ -69,7 +69,8 @@ static void settings_beside_those_at_hand(void **unused)
     } rows[] = {
         {"scale", "scale=1", "scale=0.75,upscale=bicubic", NULL},
         {"visibility", "visibility=exact", "visibility=watertight", NULL},
-        {"antialiasing", "samples=1,edge_samples=4", "samples=1,edge_samples=0", "samples=1,edge_samples=16"},
+        {"antialiasing", "samples=1,edge_samples=4", "samples=1,edge_samples=0",
+         "samples=1,edge_samples=16,edge_contrast=2"},
         {"shadows", "shadows=on", "shadows=off", NULL},
         {"mirror_depth", "mirror_depth=2", "mirror_depth=1", "mirror_depth=4"},
         {"texture_filter", "texture_filter=trilinear", "texture_filter=mipmap", "texture_filter=anisotropic4"},
