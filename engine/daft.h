@@ -1066,14 +1066,14 @@ typedef struct daft_quality {
     daft_upscale upscale; /* where scale is below 1 */
     daft_intersection visibility;
     daft_tree tree;
-    int samples;        /* per pixel: 1, 4, 8 or 16 */
-    int edge_samples;   /* more where a pixel differs from its neighbours: 0; 4, its corners, at outlines and creases;
-                           16, at edges of shadows and in mirrors, too, and trilinear textures become anisotropic4 */
+    int samples;         /* per pixel: 1, 4, 8 or 16 */
+    int edge_samples;    /* more where a pixel differs from its neighbours: 0; 4, its corners, at outlines and creases;
+                            16, at edges of shadows and in mirrors, too, and trilinear textures become anisotropic4 */
     float edge_contrast; /* how much neighbours must differ for these, 0.25 to 4; below 1 fainter edges get some, and
                             strong ones more of the 16 */
-    bool shadows;       /* of every light */
-    int shadow_samples; /* rays of a point to each light that has a size, 1 to 64; of more than six lights, to those
-                         * that are drawn for it; 0: shadows are sharp */
+    bool shadows;        /* of every light */
+    int shadow_samples;  /* rays of a point to each light that has a size, 1 to 64; of more than six lights, to those
+                          * that are drawn for it; 0: shadows are sharp */
     int occlusion_samples; /* rays around each point for ambient occlusion, 1 to 64; 0: none */
     int mirror_depth;      /* mirror bounces followed, 0 to 32 */
     int refraction_depth;  /* surfaces that a path which passes through some may meet, 0 to 32 */

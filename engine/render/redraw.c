@@ -203,11 +203,11 @@ static bool compare_materials(daft_kept *k, const daft_snapshot *s)
 static bool same_quality(const daft_quality *a, const daft_quality *b)
 {
     return a->visibility == b->visibility && a->tree == b->tree && a->samples == b->samples &&
-           a->edge_samples == b->edge_samples && a->edge_contrast == b->edge_contrast && a->shadows == b->shadows && a->shadow_samples == b->shadow_samples &&
-           a->occlusion_samples == b->occlusion_samples && a->mirror_depth == b->mirror_depth &&
-           a->refraction_depth == b->refraction_depth && a->min_weight == b->min_weight &&
-           a->glossy_samples == b->glossy_samples && a->texture_filter == b->texture_filter &&
-           a->denoise == b->denoise && a->half_light == b->half_light;
+           a->edge_samples == b->edge_samples && a->edge_contrast == b->edge_contrast && a->shadows == b->shadows &&
+           a->shadow_samples == b->shadow_samples && a->occlusion_samples == b->occlusion_samples &&
+           a->mirror_depth == b->mirror_depth && a->refraction_depth == b->refraction_depth &&
+           a->min_weight == b->min_weight && a->glossy_samples == b->glossy_samples &&
+           a->texture_filter == b->texture_filter && a->denoise == b->denoise && a->half_light == b->half_light;
 }
 
 static bool same_sky(const daft_sky *a, const daft_sky *b)

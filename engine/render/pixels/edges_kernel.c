@@ -110,8 +110,7 @@ static void take_some(taking *t, uint32_t count)
 {
     const float share = (float)RAYS / (float)(count + 1);
     t->out->own[t->wanted] = share;
-    for (uint32_t left = DAFT_EDGE_FIRST[count]; left; left &= left - 1)
-        shade(t, (uint32_t)__builtin_ctz(left), share);
+    for (uint32_t left = DAFT_EDGE_FIRST[count]; left; left &= left - 1) shade(t, (uint32_t)__builtin_ctz(left), share);
 }
 
 static void take_inner(taking *t) { take_some(t, DAFT_EDGE_INNER[t->kind][t->level]); }

@@ -1,9 +1,9 @@
-/* Rows `antialiasing, NAME`: each scene of assets/scenes, and each game in its demo, at 1280x720: pictures of one sample
- * a pixel and sixteen where it changes from one pixel to the next, by several contrasts, beside one of eight samples
- * everywhere: milliseconds, and how far they are from the reference, as `daft cost --settings` measures them, in turns;
- * a game at two moments. The row is of the cheapest contrast with both errors no larger than those of eight samples; if
- * none has, of the one that comes nearest. What is sampled otherwise is held fast, since eight samples a pixel ask a
- * lamp or the sky eight times as well, which is another knob's matter, as is the filter of textures.
+/* Rows `antialiasing, NAME`: each scene of assets/scenes, and each game in its demo, at 1280x720: pictures of one
+ * sample a pixel and sixteen where it changes from one pixel to the next, by several contrasts, beside one of eight
+ * samples everywhere: milliseconds, and how far they are from the reference, as `daft cost --settings` measures them,
+ * in turns; a game at two moments. The row is of the cheapest contrast with both errors no larger than those of eight
+ * samples; if none has, of the one that comes nearest. What is sampled otherwise is held fast, since eight samples a
+ * pixel ask a lamp or the sky eight times as well, which is another knob's matter, as is the filter of textures.
  *
  * Rows `pan, NAME`: each scene at 320x180, or half of it where that takes long, by a camera that turns by 0.4 of a
  * pixel from one frame to the next, 120 frames long: how much more, or less, the picture changes from frame to frame
@@ -93,8 +93,7 @@ static void measure_picture(bench *self, const char *name, const char *what, int
     edge_point ours = {0}, peer;
     fprintf(stderr, "%s, %d thread%s\n", name, threads, threads == 1 ? "" : "s");
     char *csv = run_cost(self, what, threads);
-    const char *contrast =
-        csv && find_point(csv, EVERYWHERE, &peer) ? choose_contrast(csv, &peer, &ours) : NULL;
+    const char *contrast = csv && find_point(csv, EVERYWHERE, &peer) ? choose_contrast(csv, &peer, &ours) : NULL;
     if (!contrast) {
         bench_note(self, true, "%s failed", name);
     } else {
