@@ -4,7 +4,7 @@
 
 #include "daft.h"
 
-enum { KNOBS = 14, KNOB_SETTINGS = 8 };
+enum { KNOBS = 14, KNOB_SETTINGS = 10 };
 
 typedef struct knob_row {
     const char *name, *doc;

@@ -269,7 +269,7 @@ int command_cost(int argc, char **argv)
         {"knob", 0, CLI_TEXT, "NAME", &o.knob, 0, 0,
          "this knob alone, without combinations: antialiasing, shadows, ..."},
         {"settings", 0, CLI_TEXT, "LIST", &o.settings, 0, 0,
-         "these settings alone, apart by semicolons, up to eight: 'samples=8;edge_samples=16'"},
+         "these settings alone, apart by semicolons, up to ten: 'samples=8;edge_samples=16'"},
         {"no-pictures", 0, CLI_FLAG, NULL, &o.no_pictures, 0, 0, "a page of plots and tables alone, of 100 KB"},
         {"size", 0, CLI_SIZE, "WxH", &o.size, 16, 1920, "size of the picture (640x360; quick: 320x180)"},
         {"quality", 'q', CLI_QUALITY, "Q", &o.quality, 0, 0,

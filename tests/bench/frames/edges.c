@@ -41,14 +41,14 @@ static bool find_point(const char *csv, const char *setting, edge_point *out)
 
 #define AT_EDGES   "samples=1,edge_samples=16,edge_contrast="
 #define EVERYWHERE "samples=8,edge_samples=0"
-static const char *const CONTRASTS[] = {"0.35", "0.5", "0.7", "0.85", "1", "1.4", "1.7"};
+static const char *const CONTRASTS[] = {"0.25", "0.4", "0.55", "0.7", "0.8", "0.9", "1", "1.4", "1.7"};
 #define FIXED                                                                                                          \
     "shadow_samples=0,occlusion_samples=0,glossy_samples=0,denoise=off,mirror_depth=2,refraction_depth=12,"            \
     "min_weight=1/2048,texture_filter=trilinear"
 
 static char *run_cost(bench *self, const char *what, int threads)
 {
-    char command[2048], settings[640] = EVERYWHERE, folder[64] = "/tmp/daft-edges-XXXXXX", path[128];
+    char command[2048], settings[768] = EVERYWHERE, folder[64] = "/tmp/daft-edges-XXXXXX", path[128];
     size_t size, used = strlen(settings);
     if (!mkdtemp(folder)) return NULL;
     for (size_t i = 0; i < sizeof CONTRASTS / sizeof *CONTRASTS; i++)
