@@ -141,7 +141,7 @@ static void take_outline(taking *t, uint32_t own)
         for (int i = 0; i < RAYS; i++) id[i] >>= bits;
         count = group_rays(id, groups);
     }
-    if (count == 1 && groups[0].id == own >> bits) {
+    if (count == 1 && bits == 0 && groups[0].id == own) {
         take_beside(t);
         return;
     }

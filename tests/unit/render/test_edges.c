@@ -291,6 +291,54 @@ static void draw_large(const stage *from, uint8_t rgba[4 * PIXELS])
     daft_image_destroy(s.image);
 }
 
+/* A ball of so many triangles that a pixel sees dozens, each lit as its own normal says. */
+static daft_mesh bristling_ball(stage *s)
+{
+    enum { ROWS = 900, COLUMNS = 1200, VERTICES = 3 * 2 * ROWS * COLUMNS };
+    daft_mesh_def def = daft_default_mesh_def();
+    daft_vec3 *positions = malloc(VERTICES * sizeof *positions);
+    uint32_t *indices = malloc(VERTICES * sizeof *indices), state = 7, count = 0;
+    for (int i = 0; i < ROWS * COLUMNS; i++) {
+        daft_vec3 corners[4];
+        for (int k = 0; k < 4; k++) {
+            const double rise = ((double)(i / COLUMNS + (k >> 1)) / ROWS - 0.5) * 3,
+                         turn = (double)(i % COLUMNS + (k & 1)) / COLUMNS * 6.283185307179586;
+            const double out = 1 + ((state = state * 1664525u + 1013904223u) >> 8) * (0.01 / (1 << 24));
+            corners[k] = daft_v3((float)(out * cos(rise) * cos(turn)), (float)(out * sin(rise)),
+                                 (float)(out * cos(rise) * sin(turn)));
+        }
+        const int order[6] = {0, 2, 1, 1, 2, 3};
+        for (int k = 0; k < 6; k++, count++) positions[count] = corners[order[k]], indices[count] = count;
+    }
+    def.positions = positions, def.vertex_count = count, def.indices = indices, def.triangle_count = count / 3;
+    const daft_mesh mesh = daft_mesh_create(s->scene, &def, NULL);
+    free(positions), free(indices);
+    assert_true(mesh.id);
+    return mesh;
+}
+
+/* Dozens of triangles of one thing in a pixel: its rays see the same thing, but not the same. */
+static void many_triangles_get_many_samples(void **unused)
+{
+    (void)unused;
+    static uint8_t truth[4 * PIXELS], none[4 * PIXELS], edges[4 * PIXELS];
+    stage s;
+    stage_make(&s, NULL);
+    daft_entity_def ball = daft_default_entity_def();
+    ball.shape = DAFT_SHAPE_MESH, ball.mesh = bristling_ball(&s), ball.position = (daft_dvec3){3, 0, 0};
+    assert_true(daft_entity_create(s.scene, &ball, NULL).id);
+    daft_light_def sun = daft_default_light_def();
+    sun.kind = DAFT_LIGHT_SUN, sun.direction = (daft_vec3){0.7f, -0.2f, -0.7f}, sun.color = (daft_vec3){1, 1, 1};
+    assert_true(daft_light_create(s.scene, &sun, NULL).id);
+    s.view.quality.samples = 16, s.view.quality.edge_samples = 0, draw(&s, truth);
+    s.view.quality.samples = 1, draw(&s, none);
+    s.view.quality.edge_samples = 16, draw(&s, edges);
+    const double before = distance(none, truth), after = distance(edges, truth);
+    print_message("many triangles: error %.4f, 16 at edges %.4f\n", before, after);
+    assert_true(after < 0.45 * before);
+    stage_free(&s);
+}
+
 static int pixels_with_fresh_rays(stage *s, uint32_t cost[PIXELS], const uint32_t without[PIXELS])
 {
     int count = 0;
@@ -401,6 +449,7 @@ int main(void)
                                        cmocka_unit_test(straight_edges_have_sixteen_steps),
                                        cmocka_unit_test(nothing_else_changes),
                                        cmocka_unit_test(textures_are_no_edges),
+                                       cmocka_unit_test(many_triangles_get_many_samples),
                                        cmocka_unit_test(less_contrast_finds_fainter_edges),
                                        cmocka_unit_test(textures_are_sharp),
                                        cmocka_unit_test(bands_are_the_picture),
