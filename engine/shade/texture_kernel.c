@@ -152,9 +152,10 @@ DAFT_INLINE texture_line line_of(const texture_lanes *at, const daft_texture_dat
     return line;
 }
 
-/* Each of the samples close up stands for half the pixel's side. */
-DAFT_INLINE void come_close(texture_line *line)
+/* Each of the samples close up stands for half the pixel's side. `some`: the lanes that count. */
+DAFT_INLINE void come_close(texture_line *line, vbits some)
 {
+    line->close = vm_and(line->close, vm_from_bits(some));
     line->count = vf_if_then_else(line->close, vf_set(SPREAD), line->count);
     line->share = vf_if_then_else(line->close, vf_set(1.0f / SPREAD), line->share);
     line->side = vf_if_then_else(line->close, vf_set(0.5f) * line->side, line->side);
@@ -208,7 +209,7 @@ DAFT_INLINE void add_along(const daft_texture_data *t, const texture_lanes *at, 
                            tap_list *list, tap_sums *sums)
 {
     texture_line line = line_of(at, t, filter);
-    come_close(&line);
+    come_close(&line, some);
     const tap_levels levels = choose_levels(t, line.side, filter);
     const vbits both = vbits_from_mask(vf_lt(vf_set(0), levels.blend));
     for (int k = 0; some; k++) {
