@@ -334,6 +334,7 @@ static bool prepare_footprints(const daft_frame *frame, daft_error *error)
         daft_batch *const batches[BATCHES] = {&s->points, &s->next, s->third};
         for (int k = 0; k < BATCHES; k++)
             if (batches[k]) batches[k]->footprints = all ? &r->footprints[BATCHES * i + k] : NULL;
+        for (int k = 0; all && k < BATCHES; k++) r->footprints[BATCHES * i + k].spread = snapshot->quality.samples == 1;
     }
     return true;
 }

@@ -189,9 +189,11 @@ typedef struct daft_varying {
 } daft_varying;
 
 /* Two diameters of the ellipse on the surface that a pixel sees, in units of u and v, each parallel to the ellipse's
- * tangent where the other ends. */
+ * tangent where the other ends. `spread`: close up a point is read at several places, since its pixel has no more of
+ * them. */
 typedef struct daft_footprints {
     float first_u[DAFT_BATCH_ROOM], first_v[DAFT_BATCH_ROOM], second_u[DAFT_BATCH_ROOM], second_v[DAFT_BATCH_ROOM];
+    bool spread;
 } daft_footprints;
 
 static inline bool daft_filter_is_anisotropic(daft_texture_filter filter)

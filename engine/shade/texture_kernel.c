@@ -74,7 +74,7 @@ typedef struct texture_lanes {
     vf free_u, free_v, u, v, footprint;
     vi wrap;
     vm inside;
-    bool edges;
+    bool edges, spread;
     vf first_u, first_v, second_u, second_v; /* of daft_footprints; for anisotropic filters alone */
 } texture_lanes;
 
@@ -99,6 +99,7 @@ DAFT_INLINE texture_lanes lanes_of(const daft_batch *batch, const material_reade
     put_inside(&at);
     if (TEXTURES_ALONG) {
         const daft_footprints *f = batch->footprints;
+        at.spread = f->spread;
         at.first_u = vf_load(&f->first_u[i]) * su, at.first_v = vf_load(&f->first_v[i]) * sv;
         at.second_u = vf_load(&f->second_u[i]) * su, at.second_v = vf_load(&f->second_v[i]) * sv;
     }
@@ -152,7 +153,7 @@ DAFT_INLINE texture_line line_of(const texture_lanes *at, const daft_texture_dat
     return line;
 }
 
-/* Each of the samples close up stands for half the pixel's side. `some`: the lanes that count. */
+/* Each of the samples close up stands for half the pixel's side. `some`: the lanes that may be. */
 DAFT_INLINE void come_close(texture_line *line, vbits some)
 {
     line->close = vm_and(line->close, vm_from_bits(some));
@@ -209,7 +210,7 @@ DAFT_INLINE void add_along(const daft_texture_data *t, const texture_lanes *at, 
                            tap_list *list, tap_sums *sums)
 {
     texture_line line = line_of(at, t, filter);
-    come_close(&line, some);
+    come_close(&line, at->spread ? some : 0);
     const tap_levels levels = choose_levels(t, line.side, filter);
     const vbits both = vbits_from_mask(vf_lt(vf_set(0), levels.blend));
     for (int k = 0; some; k++) {
