@@ -1069,8 +1069,8 @@ typedef struct daft_quality {
     int samples;         /* per pixel: 1, 4, 8 or 16 */
     int edge_samples;    /* more where a pixel differs from its neighbours: 0; 4, its corners, at outlines and creases;
                             16, at edges of shadows and in mirrors, too, and trilinear textures become anisotropic4 */
-    float edge_contrast; /* how much neighbours must differ for these, 0.25 to 4; below 1 fainter edges get some, and
-                            strong ones more of the 16 */
+    float edge_contrast; /* times the usual contrast from which pixels get these, 0.25 to 4; below 1 fainter edges get
+                            some, and strong ones more of the 16 */
     bool shadows;        /* of every light */
     int shadow_samples;  /* rays of a point to each light that has a size, 1 to 64; of more than six lights, to those
                           * that are drawn for it; 0: shadows are sharp */

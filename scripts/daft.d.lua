@@ -308,7 +308,7 @@ local voice = {}
 ---@field tree? "raster"|"bvh"|"kdtree" What camera rays are found by; the picture is the same; "raster" unless given
 ---@field samples? number Samples of a pixel (number, 1, 4, 8 or 16); 1 unless given
 ---@field edge_samples? number More samples where neighbours differ: 4, the corners, at outlines and creases; 16 at edges of shadows and in mirrors, too, and trilinear textures become anisotropic4 (number, 0, 4 or 16); 4 unless given
----@field edge_contrast? number How much neighbours must differ for these; below 1 fainter edges get some, and strong ones more of the 16 (number, 0.25 to 4); 1 unless given
+---@field edge_contrast? number Times the usual contrast from which pixels get these; below 1 fainter edges get some, and strong ones more of the 16 (number, 0.25 to 4); 1 unless given
 ---@field shadows? boolean Whether lights cast shadows; true unless given
 ---@field shadow_samples? number Rays of a point to each light that has a size or, of more than six, to those that are drawn for it; 0: shadows are sharp (number, 0 to 64); 1 unless given
 ---@field occlusion_samples? number Rays around a point, where the scene has ambient occlusion; 0: none (number, 0 to 64); 1 unless given

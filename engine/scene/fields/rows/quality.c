@@ -22,8 +22,8 @@ static const daft_field QUALITY_ROWS[] = {
          .doc = "More samples where neighbours differ: 4, the corners, at outlines and creases; 16 at edges of shadows "
                 "and in mirrors, too, and trilinear textures become anisotropic4"),
     KNOB(edge_contrast, FROM(0.25, 4), .initial = {1},
-         .doc = "How much neighbours must differ for these; below 1 fainter edges get some, and strong ones more of "
-                "the 16"),
+         .doc = "Times the usual contrast from which pixels get these; below 1 fainter edges get some, and strong "
+                "ones more of the 16"),
     KNOB(shadows, .initial = {1}, .doc = "Whether lights cast shadows"),
     KNOB(shadow_samples, FROM(0, 64), .initial = {1},
          .doc = "Rays of a point to each light that has a size or, of more than six, to those that are drawn "
