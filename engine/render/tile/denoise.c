@@ -569,50 +569,71 @@ bool daft_denoise(daft_frame *frame, daft_error *error)
 
 /* ---- more samples of some pixels ---- */
 
-/* How much a pixel of the picture is like a point: 0, if it sees another instance or nothing was sampled there. */
-static float alike(const tile_job *j, int x, int y, const seen_plane *point, size_t *at)
+/* How much a pixel of the picture is like a point: 0, if it sees another instance or nothing of the kind was sampled
+ * there. */
+static float alike(const tile_job *j, int kind, int x, int y, const seen_plane *point, size_t *at)
 {
     const daft_grid *g = &j->frame->grid;
     const int row = y - first_row(j->frame), columns = (int)daft_tile_columns(j->snapshot);
+    const int inverse = kind == DAFT_NOISY_GLOSS ? GLOSS + KIND_INVERSE : INVERSE;
     if (x < 0 || x >= j->snapshot->width || row < 0 || row >= g->rows) return 0;
-    if (!(j->r->noisy[row / DAFT_TILE * columns + x / DAFT_TILE] & DAFT_NOISY_LIGHT)) return 0;
+    if (!(j->r->noisy[row / DAFT_TILE * columns + x / DAFT_TILE] & kind)) return 0;
     *at = (size_t)row * (size_t)g->stride + (size_t)x;
-    if (!(plane(g, INVERSE)[*at] > 0) || memcmp(&plane(g, SEEN)[*at], &point->instance, sizeof point->instance) != 0)
+    if (!(plane(g, inverse)[*at] > 0) || memcmp(&plane(g, SEEN)[*at], &point->instance, sizeof point->instance) != 0)
         return 0;
     float facing = 0;
     for (int c = 0; c < 3; c++) facing += plane(g, NORMAL + c)[*at] * point->normal[c];
     return facing > 0 ? facing * facing * facing * facing : 0;
 }
 
-/* The mean fraction of the pixels around (x, y) that are like the point; false: none is. */
-static bool recall(const tile_job *j, int x, int y, const seen_plane *point, float fraction[3])
+/* A pixel of the picture. */
+typedef struct picture_place {
+    int x, y;
+} picture_place;
+
+/* That of a batch's point. */
+static picture_place place_of(const tile_job *j, const daft_batch *points, uint32_t i)
+{
+    const int place = (int)j->s->wanted[points->pixel[i]], columns = (int)daft_tile_columns(j->snapshot);
+    return (picture_place){(int)j->number % columns * DAFT_TILE + place % DAFT_TILE,
+                           (int)j->number / columns * DAFT_TILE + place / DAFT_TILE};
+}
+
+/* The mean of what the pixels around, which are like a batch's point, found: of its light the fraction that arrives.
+ * False: none is. */
+static bool recall(const tile_job *j, int kind, const daft_batch *points, uint32_t i, float found[3])
 {
     enum { AROUND = 9, OWN = 4 };
     const daft_grid *g = &j->frame->grid;
+    const picture_place p = place_of(j, points, i);
+    const daft_vec3 axes[3] = {j->snapshot->right, j->snapshot->up, j->snapshot->forward},
+                    n = daft_v3(points->normal.x[i], points->normal.y[i], points->normal.z[i]);
+    seen_plane point = {.instance = points->instance[i]};
     float sum = 0;
-    for (int c = 0; c < 3; c++) fraction[c] = 0;
+    for (int c = 0; c < 3; c++) point.normal[c] = daft_dot(n, axes[c]), found[c] = 0;
     for (int k = 0; k < AROUND; k++) {
         const int turn = (OWN + k) % AROUND; /* the pixel itself first: it is most often enough */
         const bool own = turn == OWN;
         size_t at = 0;
-        const float weight = alike(j, x + turn % 3 - 1, y + turn / 3 - 1, point, &at);
+        const float weight = alike(j, kind, p.x + turn % 3 - 1, p.y + turn / 3 - 1, &point, &at);
         if (!(weight > 0)) continue;
-        for (int c = 0; c < 3; c++) fraction[c] += weight * plane(g, LIGHT + c)[at];
+        for (int c = 0; c < 3; c++) found[c] += weight * plane(g, first_plane(kind) + c)[at];
         sum += weight;
         if (own && weight > 0.8f) break;
     }
-    for (int c = 0; c < 3; c++) fraction[c] = sum > 0 ? fraction[c] / sum : 0;
+    for (int c = 0; c < 3; c++) found[c] = sum > 0 ? found[c] / sum : 0;
     return sum > 0;
 }
 
 /* The fraction of a pixel itself, which counts all that its paths meet; false: nothing was sampled there, or what a
  * rough surface shows was filtered apart. */
-static bool recall_own(const tile_job *j, int x, int y, float fraction[3])
+static bool recall_own(const tile_job *j, const daft_batch *points, uint32_t i, float fraction[3])
 {
     const daft_grid *g = &j->frame->grid;
-    const int row = y - first_row(j->frame), columns = (int)daft_tile_columns(j->snapshot);
-    const size_t at = (size_t)row * (size_t)g->stride + (size_t)x;
-    if (!(j->r->noisy[row / DAFT_TILE * columns + x / DAFT_TILE] & DAFT_NOISY_LIGHT)) return false;
+    const picture_place p = place_of(j, points, i);
+    const int row = p.y - first_row(j->frame), columns = (int)daft_tile_columns(j->snapshot);
+    const size_t at = (size_t)row * (size_t)g->stride + (size_t)p.x;
+    if (!(j->r->noisy[row / DAFT_TILE * columns + p.x / DAFT_TILE] & DAFT_NOISY_LIGHT)) return false;
     if (!(plane(g, INVERSE)[at] > 0)) return false;
     if (j->frame->plan.glossy && plane(g, GLOSS + KIND_INVERSE)[at] > 0) return false;
     for (int c = 0; c < 3; c++) fraction[c] = plane(g, LIGHT + c)[at];
@@ -622,21 +643,18 @@ static bool recall_own(const tile_job *j, int x, int y, float fraction[3])
 void daft_denoise_recall(const tile_job *j, const daft_batch *points, bool seen)
 {
     daft_sampled_light *light = j->s->sampled;
-    const daft_vec3 axes[3] = {j->snapshot->right, j->snapshot->up, j->snapshot->forward};
-    const int columns = (int)daft_tile_columns(j->snapshot), left = (int)j->number % columns * DAFT_TILE,
-              top = (int)j->number / columns * DAFT_TILE;
     memset(light->recalled, 0, sizeof light->recalled);
     for (uint32_t i = 0; i < points->count; i++) {
-        const int place = (int)j->s->wanted[points->pixel[i]];
-        const daft_vec3 n = daft_v3(points->normal.x[i], points->normal.y[i], points->normal.z[i]);
-        seen_plane point = {.instance = points->instance[i]};
         float fraction[3];
-        for (int c = 0; c < 3; c++) point.normal[c] = daft_dot(n, axes[c]);
-        const int x = left + place % DAFT_TILE, y = top + place / DAFT_TILE;
-        if (!(seen ? recall(j, x, y, &point, fraction) : recall_own(j, x, y, fraction))) continue;
+        if (!(seen ? recall(j, DAFT_NOISY_LIGHT, points, i, fraction) : recall_own(j, points, i, fraction))) continue;
         light->recalled[i / 32] |= 1u << (i % 32);
         light->fraction.x[i] = fraction[0], light->fraction.y[i] = fraction[1], light->fraction.z[i] = fraction[2];
     }
+}
+
+bool daft_denoise_recall_gloss(const tile_job *j, const daft_batch *points, uint32_t i, float light[3])
+{
+    return recall(j, DAFT_NOISY_GLOSS, points, i, light);
 }
 
 size_t daft_denoise_bytes(const daft_renderer *r) { return r->plane_capacity * sizeof *r->planes; }

@@ -1,10 +1,18 @@
 /* What rough surfaces mirror and let through, where pixels see them: each sends on some rays, in directions of their
  * own, and what comes back is noisy. It is kept apart from the rest of the pixel's light, as a mean over its rays'
  * weights, so that it can be filtered; with it goes how far the rays went, by which a reflection is the sharper the
- * closer to the surface its object is. */
+ * closer to the surface its object is. More samples of some pixels come when it is filtered: they send no such rays,
+ * which would bring the noise back, but have of that mean what their own rays would weigh. */
 #include "render/tile/tile.h"
 
 #include <string.h>
+
+/* The slope of a point's facets; 0: it is smooth. */
+static float alpha_of(const tile_job *j, const daft_batch *points, uint32_t i)
+{
+    if (points->traits & DAFT_TRAIT_VARIES) return points->varying->alpha[i];
+    return j->snapshot->materials[points->material[i]].alpha;
+}
 
 void daft_gloss_begin(const tile_job *j, const daft_batch *points)
 {
@@ -15,8 +23,7 @@ void daft_gloss_begin(const tile_job *j, const daft_batch *points)
     memset(g->rays, 0, sizeof g->rays);
     for (uint32_t i = 0; i < points->count; i++) {
         const uint32_t pixel = points->pixel[i];
-        const float alpha = points->traits & DAFT_TRAIT_VARIES ? points->varying->alpha[i]
-                                                               : j->snapshot->materials[points->material[i]].alpha;
+        const float alpha = alpha_of(j, points, i);
         if (!(alpha > 0)) continue;
         g->rough[pixel / 32] |= 1u << (pixel % 32);
         g->alpha[pixel] = alpha, g->distance[pixel] = points->distance[i];
@@ -44,4 +51,52 @@ void daft_gloss_meet(const tile_job *j, const daft_ray_batch *rays, uint32_t fir
         if (hits[i].instance != UINT32_MAX && hits[i].t > 0) g->inverse[pixel] += 1 / hits[i].t;
         g->rays[pixel]++;
     }
+}
+
+/* ---- more samples of some pixels ---- */
+
+void daft_gloss_recall(const tile_job *j, const daft_batch *points)
+{
+    daft_gloss *g = j->s->gloss;
+    memset(g->rough, 0, sizeof g->rough);
+    g->some = false;
+    for (uint32_t i = 0; i < points->count; i++) {
+        const uint32_t pixel = points->pixel[i];
+        float light[3];
+        if (!(alpha_of(j, points, i) > 0) || !daft_denoise_recall_gloss(j, points, i, light)) continue;
+        g->rough[pixel / 32] |= 1u << (pixel % 32);
+        g->sharp.x[pixel] = light[0], g->sharp.y[pixel] = light[1], g->sharp.z[pixel] = light[2];
+        g->some = true;
+    }
+}
+
+static void move3(daft_lanes3 *v, uint32_t to, uint32_t from)
+{
+    v->x[to] = v->x[from], v->y[to] = v->y[from], v->z[to] = v->z[from];
+}
+
+static void move_ray(daft_ray_batch *rays, uint32_t to, uint32_t from)
+{
+    if (to == from) return;
+    move3(&rays->origin, to, from), move3(&rays->direction, to, from), move3(&rays->weight, to, from);
+    rays->distance[to] = rays->distance[from], rays->pixel[to] = rays->pixel[from];
+    if (rays->media) rays->media[to] = rays->media[from];
+}
+
+void daft_gloss_replace(const tile_job *j, daft_ray_batch *rays)
+{
+    const daft_gloss *g = j->s->gloss;
+    daft_lanes3 *color = &j->s->color;
+    uint32_t left = 0;
+    for (uint32_t i = 0; i < rays->count; i++) {
+        const uint32_t pixel = rays->pixel[i];
+        if (!daft_gloss_is_rough(g, pixel)) {
+            move_ray(rays, left++, i);
+            continue;
+        }
+        color->x[pixel] += rays->weight.x[i] * g->sharp.x[pixel];
+        color->y[pixel] += rays->weight.y[i] * g->sharp.y[pixel];
+        color->z[pixel] += rays->weight.z[i] * g->sharp.z[pixel];
+    }
+    rays->count = left;
 }
