@@ -16,6 +16,12 @@ enum { DAFT_TURN_BITS = 8 };
 #define DAFT_R2_X   3242174889u
 #define DAFT_R2_Y   2447445414u
 #define DAFT_GOLDEN 2654435769u
+/* What turn and radius move by from round to round. Multiples of the golden ratio would come to the angles of the same
+ * round's other rays. These were found by a search for the least error of lines across the disc, of 4 to 256 samples of
+ * one pixel and of up to 16 of it and its neighbours: at 256 samples 0.55 times that of the golden ratio. */
+#define DAFT_ROUND_TURN   1145869761u
+#define DAFT_ROUND_RADIUS 2621778237u
+#define DAFT_SALT         747796405u
 
 /* What tells a pixel's samples from those of others: fractions of 2^32. */
 typedef struct daft_dice {
@@ -25,8 +31,8 @@ typedef struct daft_dice {
 /* `round`: of the picture's samples and of pictures; `salt`: of what asks. */
 static inline daft_dice daft_dice_throw(uint32_t x, uint32_t y, uint32_t round, uint32_t salt)
 {
-    const uint32_t moved = DAFT_GOLDEN * round + 747796405u * salt;
-    return (daft_dice){x * DAFT_R2_X + y * DAFT_R2_Y + moved, x * DAFT_R2_Y + y * DAFT_R2_X + 2 * moved};
+    return (daft_dice){x * DAFT_R2_X + y * DAFT_R2_Y + DAFT_ROUND_TURN * round + DAFT_SALT * salt,
+                       x * DAFT_R2_Y + y * DAFT_R2_X + DAFT_ROUND_RADIUS * round + 2 * DAFT_SALT * salt};
 }
 
 /* Sample `k` of `count`: which of the 2^DAFT_TURN_BITS directions; and an even number in 0..1. */

@@ -124,14 +124,14 @@ typedef struct thrown {
 
 DAFT_INLINE thrown throw_dice(const daft_area_rays *def, vi point, vi number, vi rays)
 {
-    const uint32_t moved = DAFT_GOLDEN * def->round + 747796405u * def->salt;
+    const daft_dice first = daft_dice_throw(0, 0, def->round, def->salt);
     const int shift = __builtin_ctz(def->step);
     vi place = vi_gather_index(def->points->pixel, point);
     if (def->place) place = vi_gather_index(def->place, place);
     const vu x = ((vu)(place & vi_set(DAFT_TILE - 1)) + def->column) >> shift,
              y = ((vu)(place >> __builtin_ctz(DAFT_TILE)) + def->row) >> shift;
-    return (thrown){.turn = x * DAFT_R2_X + y * DAFT_R2_Y + moved,
-                    .radius = x * DAFT_R2_Y + y * DAFT_R2_X + 2 * moved,
+    return (thrown){.turn = x * DAFT_R2_X + y * DAFT_R2_Y + first.turn,
+                    .radius = x * DAFT_R2_Y + y * DAFT_R2_X + first.radius,
                     .number = (vu)number,
                     .rays = vf_convert_to(rays)};
 }

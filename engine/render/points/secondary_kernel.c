@@ -65,9 +65,9 @@ DAFT_INLINE void throw_dice(const spawning *s, const window *w, vf *turn_x, vf *
     const daft_spawning *a = s->allowed;
     vi place = vi_if_then_else(vm_from_bits(w->lanes), vi_load(&s->b->pixel[w->first]), vi_set(0));
     if (a->place) place = vi_gather_index(a->place, place);
-    const uint32_t moved = DAFT_GOLDEN * a->round + 747796405u * a->salt;
+    const daft_dice first = daft_dice_throw(0, 0, a->round, a->salt);
     const vu x = (vu)(place & vi_set(DAFT_TILE - 1)) + a->column, y = (vu)(place >> __builtin_ctz(DAFT_TILE)) + a->row;
-    const vu turn = x * DAFT_R2_X + y * DAFT_R2_Y + moved, radius = x * DAFT_R2_Y + y * DAFT_R2_X + 2 * moved;
+    const vu turn = x * DAFT_R2_X + y * DAFT_R2_Y + first.turn, radius = x * DAFT_R2_Y + y * DAFT_R2_X + first.radius;
     const vi number = (vi)((turn + a->ray * DAFT_GOLDEN) >> (32 - DAFT_TURN_BITS)) * vi_set(2);
     const float *turns = &a->turns[0].x;
     *turn_x = vf_gather_index(turns, number), *turn_y = vf_gather_index(turns + 1, number);
