@@ -1009,7 +1009,7 @@ DAFT_API uint64_t daft_hash(const void *bytes, size_t size, uint64_t seed); /* F
 typedef enum daft_preset {
     DAFT_PRESET_DRAFT = 0, /* one sample, no shadows, no reflections, through six surfaces that transmit */
     DAFT_PRESET_GAME,      /* one sample and four at edges, shadows, reflections two deep, through twelve surfaces */
-    DAFT_PRESET_HIGH,      /* four samples, reflections six deep, through sixteen surfaces */
+    DAFT_PRESET_HIGH,      /* sixteen samples at edges, reflections six deep, through sixteen surfaces */
     DAFT_PRESET_REFERENCE  /* sixteen samples, every camera ray alone through the BVH, reflections ten deep, through 24
                             */
 } daft_preset;

@@ -569,8 +569,11 @@ bool daft_denoise(daft_frame *frame, daft_error *error)
 
 /* ---- more samples of some pixels ---- */
 
+/* Reflections that facets scatter over fewer pixels are nearly sharp: their own edges may lie in a pixel. */
+#define LEAST_REACH 4.0f
+
 /* How much a pixel of the picture is like a point: 0, if it sees another instance or nothing of the kind was sampled
- * there. */
+ * there, or what was shows too sharply. */
 static float alike(const tile_job *j, int kind, int x, int y, const seen_plane *point, size_t *at)
 {
     const daft_grid *g = &j->frame->grid;
@@ -581,6 +584,7 @@ static float alike(const tile_job *j, int kind, int x, int y, const seen_plane *
     *at = (size_t)row * (size_t)g->stride + (size_t)x;
     if (!(plane(g, inverse)[*at] > 0) || memcmp(&plane(g, SEEN)[*at], &point->instance, sizeof point->instance) != 0)
         return 0;
+    if (kind == DAFT_NOISY_GLOSS && plane(g, REACH)[*at] < LEAST_REACH) return 0;
     float facing = 0;
     for (int c = 0; c < 3; c++) facing += plane(g, NORMAL + c)[*at] * point->normal[c];
     return facing > 0 ? facing * facing * facing * facing : 0;

@@ -276,7 +276,7 @@ static void pictures_that_follow_each_other_help(void **unused)
 /* A waxed floor in the shadows of boxes. */
 static void furnish_with_shadows(stage *s)
 {
-    daft_material_def wax = metal(0.4f), chalk = daft_default_material_def();
+    daft_material_def wax = metal(0.8f), chalk = daft_default_material_def();
     wax.diffuse = daft_v3(0.3f, 0.3f, 0.3f), wax.mirror = 0.6f;
     add_floor(s, &wax, 40);
     daft_entity_def box = daft_default_entity_def();

@@ -73,7 +73,8 @@ static void test_knobs_make_one_quality_another(void **unused)
     stage s;
     stage_make(&s);
     daft_view high = view_of(DAFT_PRESET_HIGH), made = view_of(DAFT_PRESET_DRAFT), draft = made;
-    made.quality.samples = 4, made.quality.mirror_depth = 6, made.quality.refraction_depth = 16;
+    made.quality.edge_samples = 16, made.quality.edge_contrast = 0.5f, made.quality.mirror_depth = 6,
+    made.quality.refraction_depth = 16;
     made.quality.min_weight = 1.0f / 2048, made.quality.shadows = true;
     made.quality.texture_filter = DAFT_TEXTURE_ANISOTROPIC4;
     assert_true(draw(&s, &made) == draw(&s, &high));
@@ -189,16 +190,16 @@ static void test_a_scene_keeps_what_it_asks_for(void **unused)
     stage s;
     daft_error error;
     stage_make(&s);
-    assert_int_equal(daft_scene_quality(s.scene).samples, 1);
+    assert_int_equal(daft_scene_quality(s.scene).edge_samples, 4);
     const uint64_t state = daft_scene_hash(s.scene);
     daft_quality wish = daft_preset_quality(DAFT_PRESET_HIGH);
     assert_true(daft_scene_set_quality(s.scene, &wish, &error));
-    assert_int_equal(daft_scene_quality(s.scene).samples, 4);
+    assert_int_equal(daft_scene_quality(s.scene).edge_samples, 16);
     assert_true(daft_scene_hash(s.scene) == state);
     wish.samples = 3;
     assert_false(daft_scene_set_quality(s.scene, &wish, &error));
     assert_string_equal(error.message, "samples is 3; it must be 1, 4, 8 or 16");
-    assert_int_equal(daft_scene_quality(s.scene).samples, 4);
+    assert_int_equal(daft_scene_quality(s.scene).edge_samples, 16);
     stage_drop(&s);
 }
 

@@ -260,7 +260,8 @@ static void wishes_are_joined(void **unused)
     const quality_wish none = {.preset = QUALITY_OF_SCENE}, high = {DAFT_PRESET_HIGH, NULL},
                        both = {DAFT_PRESET_HIGH, "samples=16"};
     assert_int_equal(quality_choose(&none, NULL).edge_samples, 4);
-    assert_int_equal(quality_choose(&high, NULL).samples, 4);
+    assert_int_equal(quality_choose(&high, NULL).edge_samples, 16);
+    assert_int_equal(quality_choose(&high, NULL).samples, 1);
     assert_int_equal(quality_choose(&both, NULL).samples, 16);
 }
 
