@@ -19,23 +19,26 @@ enum {
     LEARN = 15 /* frames after which a change is understood */
 };
 
-static const governor_rung RUNGS[GOVERNOR_RUNGS] = {{"third size, plain", 0.35, 0, 1, false},
-                                                    {"half size, plain", 0.5, 0, 1, false},
-                                                    {"half size", 0.5, 4, 2, true},
-                                                    {"60 % size", 0.6, 4, 2, true},
-                                                    {"70 % size", 0.7, 4, 2, true},
-                                                    {"80 % size", 0.8, 4, 2, true},
-                                                    {"90 % size", 0.9, 4, 2, true},
-                                                    {"70 % size, hard light", 0.7, 4, 2, false},
-                                                    {"full size, hard light", 1, 4, 2, false},
-                                                    {"full size, plain edges", 1, 0, 2, true},
-                                                    [FULL] = {"full size", 1, 4, 2, true},
-                                                    {"full size, all edges smooth", 1, 16, 3, true}};
+static const governor_rung RUNGS[GOVERNOR_RUNGS] = {{"third size, plain", 0.35, 0, 1, false, false, 0},
+                                                    {"half size, plain", 0.5, 0, 1, false, false, 0},
+                                                    {"half size", 0.5, 4, 2, true, false, 0},
+                                                    {"60 % size", 0.6, 4, 2, true, false, 0},
+                                                    {"70 % size", 0.7, 4, 2, true, false, 0},
+                                                    {"80 % size", 0.8, 4, 2, true, false, 0},
+                                                    {"90 % size", 0.9, 4, 2, true, false, 0},
+                                                    {"70 % size, hard light", 0.7, 4, 2, false, false, 0},
+                                                    {"full size, hard light", 1, 4, 2, false, false, 0},
+                                                    {"full size, plain edges", 1, 0, 2, true, false, 0},
+                                                    [FULL] = {"full size", 1, 4, 2, true, false, 0},
+                                                    {"full size, sharp textures", 1, 0, 0, true, true, 0},
+                                                    {"full size, strong edges smooth", 1, 16, 3, true, true, 2},
+                                                    {"full size, all edges smooth", 1, 16, 3, true, true, 1}};
 
 /* What frames took on such rungs in this project's own games and scenes, in the mean; and whether they are climbed
  * before they have been surveyed. */
-static const double USUAL[GOVERNOR_RUNGS] = {0.14, 0.22, 0.32, 0.43, 0.55, 0.69, 0.84, 0.5, 0.8, 0.9, 1, 1.5};
-static const bool CLIMBED[GOVERNOR_RUNGS] = {true, true, true, true, true, true, true, false, false, false, true, true};
+static const double USUAL[GOVERNOR_RUNGS] = {0.14, 0.22, 0.32, 0.43, 0.55, 0.69, 0.84, 0.5, 0.8, 0.9, 1, 1.2, 1.7, 2};
+static const bool CLIMBED[GOVERNOR_RUNGS] = {true,  true,  true,  true, true, true, true,
+                                             false, false, false, true, true, true, true};
 
 const governor_rung *governor_rung_at(int rung) { return &RUNGS[rung]; }
 
@@ -221,7 +224,9 @@ void governor_set(int rung, daft_quality *q)
     const governor_rung *r = &RUNGS[rung];
     q->scale = fmaxf(LEAST_SCALE, q->scale * (float)r->scale);
     if (rung > FULL) {
-        if (q->samples == 1 && q->edge_samples < r->edge_samples) q->edge_samples = r->edge_samples;
+        if (q->samples == 1 && q->edge_samples < r->edge_samples)
+            q->edge_samples = r->edge_samples, q->edge_contrast = r->edge_contrast;
+        if (r->sharp && q->texture_filter == DAFT_TEXTURE_TRILINEAR) q->texture_filter = DAFT_TEXTURE_ANISOTROPIC4;
         if (q->mirror_depth < r->mirror_depth) q->mirror_depth = r->mirror_depth;
     }
     if (rung >= FULL) return; /* those after it are better */

@@ -12,15 +12,17 @@
 
 #include "daft.h"
 
-enum { GOVERNOR_RUNGS = 12, GOVERNOR_FRAMES = 60 };
+enum { GOVERNOR_RUNGS = 14, GOVERNOR_FRAMES = 60 };
 
-/* Knobs of a rung; the rest is the quality's. */
+/* Knobs of a rung; the rest is the quality's. Rungs below the quality's own lower them, those above raise them. */
 typedef struct governor_rung {
     const char *name;
     double scale;     /* sides of the picture, relative to what is shown */
     int edge_samples; /* as in daft_quality */
     int mirror_depth;
-    bool sampled; /* soft shadows, ambient occlusion and rough mirrors */
+    bool sampled;        /* soft shadows, ambient occlusion and rough mirrors */
+    bool sharp;          /* textures that are blurred at a flat angle otherwise */
+    float edge_contrast; /* of the sixteen samples that it adds; 0: it adds none */
 } governor_rung;
 
 /* What is known of the rungs. */

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char HEAD[] = "daft frame costs 3\n";
+static const char HEAD[] = "daft frame costs 4\n";
 
 bool costs_folder(char *out, size_t size) { return home_user_folder("XDG_CACHE_HOME", ".cache", out, size); }
 

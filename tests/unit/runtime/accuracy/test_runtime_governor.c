@@ -229,7 +229,7 @@ static void costs_are_remembered(void **unused)
         if (e->d_name[0] == '.') continue;
         snprintf(path, sizeof path, "%s/%.32s", folder, e->d_name);
         FILE *file = fopen(path, "wb"); /* what is not such a file is not believed */
-        fputs("daft frame costs 3\n0.5 0.1\n-1 0\n", file);
+        fputs("daft frame costs 4\n0.5 0.1\n-1 0\n", file);
         fclose(file);
         assert_false(costs_load(folder, "marble", &known));
         unlink(path);
@@ -307,6 +307,27 @@ static void nonsense_is_harmless(void **unused)
     assert_true(g.rung >= 0 && g.rung < GOVERNOR_RUNGS);
 }
 
+/* Rungs above the quality make it better and change nothing that is better or that a game has chosen otherwise. */
+static void better_rungs_keep_what_a_game_chose(void **unused)
+{
+    (void)unused;
+    const daft_quality game = daft_preset_quality(DAFT_PRESET_GAME);
+    bool sharp = false, smooth = false;
+    for (int rung = governor_full(); rung < GOVERNOR_RUNGS; rung++) {
+        daft_quality plain = game, pixels = game, fine = daft_preset_quality(DAFT_PRESET_HIGH);
+        const daft_quality high = fine;
+        pixels.texture_filter = DAFT_TEXTURE_NEAREST;
+        governor_set(rung, &plain), governor_set(rung, &pixels), governor_set(rung, &fine);
+        assert_int_equal(pixels.texture_filter, DAFT_TEXTURE_NEAREST);
+        assert_true(plain.scale == 1 && plain.shadow_samples == game.shadow_samples);
+        assert_true(plain.edge_samples >= game.edge_samples && plain.mirror_depth >= game.mirror_depth);
+        assert_memory_equal(&fine, &high, sizeof high);
+        sharp |= plain.texture_filter == DAFT_TEXTURE_ANISOTROPIC4 && plain.edge_samples == game.edge_samples;
+        smooth |= plain.edge_samples == 16 && plain.edge_contrast == 1;
+    }
+    assert_true(sharp && smooth);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -319,6 +340,7 @@ int main(void)
         cmocka_unit_test(costs_are_remembered),
         cmocka_unit_test(the_ladder_is_the_front),
         cmocka_unit_test(a_beaten_rung_is_left),
+        cmocka_unit_test(better_rungs_keep_what_a_game_chose),
         cmocka_unit_test(nonsense_is_harmless),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
