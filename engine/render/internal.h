@@ -64,12 +64,15 @@ typedef struct daft_sampled_light {
 /* What pixels see by rough surfaces, while it is to be filtered (tile/gloss.c). */
 typedef struct daft_gloss {
     bool some, asks;                  /* of the tile's pixels see one; the running rays are those that these send */
-    uint32_t rough[DAFT_BATCH_WORDS]; /* bits of these pixels */
+    uint32_t rough[DAFT_BATCH_WORDS]; /* bits of these pixels; of more samples, of those with recalled light */
     float alpha[DAFT_BATCH_ROOM], distance[DAFT_BATCH_ROOM]; /* of their surface */
-    daft_lanes3 sharp;                                       /* their light without it */
-    daft_lanes3 weight;                                      /* of the rays that they sent on */
-    float inverse[DAFT_BATCH_ROOM];                          /* the sum of 1 / how far these rays went, */
-    float rays[DAFT_BATCH_ROOM];                             /* and how many they were */
+    union {
+        daft_lanes3 sharp;    /* their light without it */
+        daft_lanes3 recalled; /* of more samples, which come later: the filtered light, for rays of weight 1 */
+    };
+    daft_lanes3 weight;             /* of the rays that they sent on */
+    float inverse[DAFT_BATCH_ROOM]; /* the sum of 1 / how far these rays went, */
+    float rays[DAFT_BATCH_ROOM];    /* and how many they were */
 } daft_gloss;
 
 /* A worker's own: no lock, no allocation in a settled frame. */

@@ -15,12 +15,12 @@ static const double ROOM = 0.9;
 
 static bool is_done(const rung_survey *v) { return v->next >= GOVERNOR_RUNGS * SURVEY_ROUNDS; }
 
-/* Better in all that the rungs leave out, and closer to the truth than four samples of each pixel are: these read
- * textures more blurred, and sharp ones would seem to err. */
+/* Better than all rungs in whatever they leave out. Several samples of every pixel would blur textures, and count sharp
+ * ones as errors. */
 static daft_quality reference_of(const daft_quality *own)
 {
     daft_quality q = *own;
-    q.scale = 1, q.half_light = false;
+    q.scale = 1;
     if (q.samples == 1) q.edge_samples = 16, q.edge_contrast = 0.5f;
     if (q.texture_filter == DAFT_TEXTURE_TRILINEAR) q.texture_filter = DAFT_TEXTURE_ANISOTROPIC16;
     if (q.shadow_samples < 4) q.shadow_samples *= 4;

@@ -590,12 +590,11 @@ static float alike(const tile_job *j, int kind, int x, int y, const seen_plane *
     return facing > 0 ? facing * facing * facing * facing : 0;
 }
 
-/* A pixel of the picture. */
 typedef struct picture_place {
     int x, y;
 } picture_place;
 
-/* That of a batch's point. */
+/* The pixel of the picture that a batch's point counts in. */
 static picture_place place_of(const tile_job *j, const daft_batch *points, uint32_t i)
 {
     const int place = (int)j->s->wanted[points->pixel[i]], columns = (int)daft_tile_columns(j->snapshot);
@@ -603,8 +602,8 @@ static picture_place place_of(const tile_job *j, const daft_batch *points, uint3
                            (int)j->number / columns * DAFT_TILE + place / DAFT_TILE};
 }
 
-/* The mean of what the pixels around, which are like a batch's point, found: of its light the fraction that arrives.
- * False: none is. */
+/* The filtered mean of the pixels around that are like a batch's point: the fraction of its light that arrives, or the
+ * light that it shows. False: none is. */
 static bool recall(const tile_job *j, int kind, const daft_batch *points, uint32_t i, float found[3])
 {
     enum { AROUND = 9, OWN = 4 };

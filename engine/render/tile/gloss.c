@@ -1,8 +1,9 @@
 /* What rough surfaces mirror and let through, where pixels see them: each sends on some rays, in directions of their
  * own, and what comes back is noisy. It is kept apart from the rest of the pixel's light, as a mean over its rays'
  * weights, so that it can be filtered; with it goes how far the rays went, by which a reflection is the sharper the
- * closer to the surface its object is. More samples of some pixels come when it is filtered: they send no such rays,
- * which would bring the noise back, but have of that mean what their own rays would weigh. */
+ * closer to the surface its object is. When edges get more samples, it is
+ * filtered. These samples trace no rough rays, which would bring the noise back. They take the filtered mean, times the
+ * weight of the rays they would have sent. */
 #include "render/tile/tile.h"
 
 #include <string.h>
@@ -60,12 +61,13 @@ void daft_gloss_recall(const tile_job *j, const daft_batch *points)
     daft_gloss *g = j->s->gloss;
     memset(g->rough, 0, sizeof g->rough);
     g->some = false;
+    if (!(points->traits & DAFT_TRAIT_ROUGH)) return;
     for (uint32_t i = 0; i < points->count; i++) {
         const uint32_t pixel = points->pixel[i];
         float light[3];
         if (!(alpha_of(j, points, i) > 0) || !daft_denoise_recall_gloss(j, points, i, light)) continue;
         g->rough[pixel / 32] |= 1u << (pixel % 32);
-        g->sharp.x[pixel] = light[0], g->sharp.y[pixel] = light[1], g->sharp.z[pixel] = light[2];
+        g->recalled.x[pixel] = light[0], g->recalled.y[pixel] = light[1], g->recalled.z[pixel] = light[2];
         g->some = true;
     }
 }
@@ -94,9 +96,9 @@ void daft_gloss_replace(const tile_job *j, daft_ray_batch *rays)
             move_ray(rays, left++, i);
             continue;
         }
-        color->x[pixel] += rays->weight.x[i] * g->sharp.x[pixel];
-        color->y[pixel] += rays->weight.y[i] * g->sharp.y[pixel];
-        color->z[pixel] += rays->weight.z[i] * g->sharp.z[pixel];
+        color->x[pixel] += rays->weight.x[i] * g->recalled.x[pixel];
+        color->y[pixel] += rays->weight.y[i] * g->recalled.y[pixel];
+        color->z[pixel] += rays->weight.z[i] * g->recalled.z[pixel];
     }
     rays->count = left;
 }

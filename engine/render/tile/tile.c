@@ -262,8 +262,8 @@ static void look_by_rays(const tile_job *j, const daft_ray_batch *sent)
     for (uint32_t i = 0; i < sent->count; i++) j->s->seen_by[sent->pixel[i]] = DAFT_SEEN_BY_RAYS;
 }
 
-/* What rough surfaces that pixels see have sent on: it is known already, or gets there by rays. */
-static void part_gloss(tile_job *j)
+/* The first rays of rough surfaces: recorded for the filter, or, once it has run, replaced by what it found. */
+static void separate_gloss(const tile_job *j)
 {
     daft_scratch *s = j->s;
     const int lists = j->frame->plan.refracts ? j->frame->plan.through_lists : 0;
@@ -282,7 +282,6 @@ static void follow(tile_job *j, uint32_t ray, uint32_t rays)
     daft_scratch *s = j->s;
     daft_batch *points = &s->points, *next = &s->next, *other = rays > 1 ? s->third : &s->points;
     daft_gloss *gloss = j->refines ? NULL : s->gloss;
-    const bool recalls = j->refines && s->gloss && s->gloss->some;
     if (j->frame->mirror_count) memset(s->seen_by, DAFT_SEEN_BY_CAMERA, sizeof s->seen_by);
     for (int depth = 0;; depth++) {
         if (depth && points->count) {
@@ -290,7 +289,7 @@ static void follow(tile_job *j, uint32_t ray, uint32_t rays)
             j->r->shade->scatter_add(&s->color, points->pixel, points->count, &points->weight, &points->light);
         }
         daft_tile_spawn(j, points, depth, ray, rays);
-        if (depth == 0 && ((gloss && gloss->some) || recalls)) part_gloss(j);
+        if (depth == 0 && s->gloss && s->gloss->some) separate_gloss(j);
         const uint32_t mirrored = s->rays.count;
         uint32_t shown = 0;
         daft_ray_batch *sent = mirrored ? &s->rays : daft_tile_waiting(j, &depth);
@@ -316,8 +315,10 @@ void daft_tile_shade(tile_job *j)
     const bool rough = points->traits & DAFT_TRAIT_ROUGH && j->frame->plan.glossy;
     const uint32_t rays = rough ? (uint32_t)j->snapshot->quality.glossy_samples : 1;
     shade_visible(j);
-    if (j->s->gloss && j->refines) j->s->gloss->some = false;
-    if (rough && j->s->gloss) j->refines ? daft_gloss_recall(j, points) : daft_gloss_begin(j, points);
+    if (j->s->gloss && j->refines)
+        daft_gloss_recall(j, points);
+    else if (j->s->gloss && rough)
+        daft_gloss_begin(j, points);
     for (uint32_t ray = 0; ray < rays; ray++) follow(j, ray, rays);
 }
 

@@ -73,7 +73,7 @@ bool daft_denoise_keep(const tile_job *j);
 /* Of more samples of some pixels, once the picture is filtered: what pixels like them found, into s->sampled; of
  * points that mirrors and glass show, what the pixel itself did. */
 void daft_denoise_recall(const tile_job *j, const daft_batch *points, bool seen);
-/* The same of what a rough point shows, as light for a weight of 1; false: no pixel around is like it. */
+/* The same for what a rough point shows: the light along rays of weight 1. False: no pixel around is like it. */
 bool daft_denoise_recall_gloss(const tile_job *j, const daft_batch *points, uint32_t i, float light[3]);
 /* gloss.c: what rough surfaces send on, of a tile whose pixels see some: their light so far is all that is sharp; the
  * rays that these pixels have sent; and what the rays met. Only where the frame filters it (s->gloss). */
@@ -81,8 +81,8 @@ void daft_gloss_begin(const tile_job *j, const daft_batch *points);
 void daft_gloss_send(const tile_job *j, const daft_ray_batch *rays);
 void daft_gloss_meet(const tile_job *j, const daft_ray_batch *rays, uint32_t first, const daft_hit *hits,
                      uint32_t count);
-/* Of more samples of some pixels: which of them have what pixels like them found; and rays, the first that their points
- * send, which are replaced by it. */
+/* While edges get more samples: looks up the filtered light of pixels like the batch's rough points; replaces the first
+ * rays of those that have some. */
 void daft_gloss_recall(const tile_job *j, const daft_batch *points);
 void daft_gloss_replace(const tile_job *j, daft_ray_batch *rays);
 static inline bool daft_gloss_is_rough(const daft_gloss *gloss, uint32_t pixel)
